@@ -1,0 +1,1 @@
+//! Tallies, the rules that merge them into an estimate, and the picture read from it.

@@ -1,0 +1,21 @@
+//! photonfarm: one photon-mapped picture on many machines.
+//!
+//! Data flows one way: a scene **description** is checked into a **prepared scene**, a **method** turns it into
+//! **tallies** pass by pass, the coordinator **merges** them into an **estimate**, and the **picture** is read from it.
+//!
+//! | layer | what it knows | imports |
+//! |---|---|---|
+//! | [`math`] | vectors, frames, colour, distributions, random numbers, statistics | nothing |
+//! | [`scene`] | description, check, prepare; geometry, materials, lights, cameras | math |
+//! | [`transport`] | camera and photon walks, direct light, photon map, density estimates | math, scene |
+//! | [`estimate`] | tally, merge rules, radius schedules, picture | math |
+//! | [`method`] | one file per method and one table | the above |
+//! | [`evaluation`] | error metrics | math, estimate |
+//! | [`render`] | passes on this machine's threads, cancellation | method and below |
+//! | [`farm`] | job, schedule, coordinator, worker, wire | render and below |
+//! | [`api`] | REST and live events | farm |
+//! | [`cli`] | one file per subcommand | all |
+
+pub mod estimate;
+pub mod math;
+pub mod scene;

@@ -1,0 +1,78 @@
+//! What can be wrong with a scene, always with the place and the remedy.
+
+use std::fmt;
+
+/// Where in the user's files something stands.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Location {
+    /// File name inside the bundle, as the user wrote it.
+    pub file: String,
+    /// 1-based line; 0 when the format has no lines (for example a dictionary made by a program).
+    pub line: u32,
+    /// Path in the scene tree, for example `scene/shape[3]/bsdf/reflectance`.
+    pub path: String,
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}", self.file)?;
+        if self.line > 0 {
+            write!(formatter, ":{}", self.line)?;
+        }
+        if !self.path.is_empty() {
+            write!(formatter, " ({})", self.path)?;
+        }
+        Ok(())
+    }
+}
+
+/// A scene that cannot be rendered: what is wrong, where, and what to do about it.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("{location}: {problem}{}", remedy_suffix(.remedy))]
+pub struct SceneError {
+    /// Where the problem stands.
+    pub location: Location,
+    /// What is wrong, as a lowercase fragment.
+    pub problem: String,
+    /// What the user can do, as a lowercase fragment; may be empty.
+    pub remedy: String,
+}
+
+fn remedy_suffix(remedy: &str) -> String {
+    if remedy.is_empty() { String::new() } else { format!("; {remedy}") }
+}
+
+impl SceneError {
+    /// An error at `location`.
+    pub fn new(location: &Location, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self { location: location.clone(), problem: problem.into(), remedy: remedy.into() }
+    }
+}
+
+/// The known name closest to `name`, as a remedy: `did you mean "…"?`, or the list of known names when none is close.
+pub fn nearest_name(name: &str, known: &[&str]) -> String {
+    let closest = known.iter().map(|candidate| (edit_distance(name, candidate), *candidate)).min();
+    match closest {
+        Some((distance, candidate)) if distance <= 1 + name.len().max(candidate.len()) / 3 => {
+            format!("did you mean \"{candidate}\"?")
+        }
+        Some(_) => format!("known names: {}", known.join(", ")),
+        None => "nothing is expected here".to_owned(),
+    }
+}
+
+/// Levenshtein distance in characters.
+fn edit_distance(left: &str, right: &str) -> usize {
+    let right: Vec<char> = right.chars().collect();
+    let mut row: Vec<usize> = (0..=right.len()).collect();
+    for (i, a) in left.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, b) in right.iter().enumerate() {
+            let substitution = diagonal + usize::from(a != *b);
+            diagonal = row[j + 1];
+            row[j + 1] = substitution.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[right.len()]
+}
