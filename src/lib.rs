@@ -17,5 +17,8 @@
 //! | [`cli`] | one file per subcommand | all |
 
 pub mod estimate;
+pub mod farm;
 pub mod math;
+pub mod method;
+pub mod render;
 pub mod scene;

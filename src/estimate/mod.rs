@@ -1,1 +1,16 @@
 //! Tallies, the rules that merge them into an estimate, and the picture read from it.
+//!
+//! A worker returns a [`Tally`]: sums and counts of a [`Shard`], never means. [`Estimate::merge`] folds tallies in shard
+//! order; it never asks which method made them. A [`Picture`] is normalised radiance, taken at any time.
+
+pub mod estimate;
+pub mod picture;
+pub mod radius;
+pub mod shard;
+pub mod tally;
+
+pub use estimate::{Estimate, MergeError, PixelEstimate};
+pub use picture::Picture;
+pub use radius::{RadiusField, RadiusRule};
+pub use shard::{Region, Shard};
+pub use tally::{PixelTally, Tally, TallyError};

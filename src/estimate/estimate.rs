@@ -1,0 +1,230 @@
+//! The job's merged state per pixel, and the rule that folds tallies into it.
+//!
+//! Progressive photon mapping updates, after a pass that found `M` photons with flux `Φ` inside `R`
+//! [HOJ08 eqs. 7–10, in the form of HJ09]:
+//!
+//! ```text
+//! f = (N + αM)/(N + M)    R² ← f·R²    τ ← f·(τ + Φ)    N ← N + αM    L = τ/(π R² E)
+//! ```
+//!
+//! Tallies of an epoch were traced with `R_used` while `R` already shrank; `s = R²/R_used²` rescales `M ← s·M`, `Φ ← s·Φ`
+//! first. Two identities make the merge exact and cheap, and this file uses them:
+//!
+//! 1. `τ/R²` after an update is `τ/R² + Φ/R_used²`: the density `D = τ/R²` is a plain sum of `Φ/R_used²`. It is what is
+//!    stored, so no flux is ever rescaled and the picture does not depend on how passes were cut into shards.
+//! 2. A shard of `k` passes is folded as `k` equal updates with `M̂/k` each. With `d = M̂/(k·R_used²)` and `x = N/(d·R²)` one
+//!    update maps `x → x + 1` and `R² → R²·(x + α)/(x + 1)`, hence `R²` is multiplied by `Π_{j<k} (x+j+α)/(x+j+1)` and `N` becomes
+//!    `d·R²·(x + k)`.
+
+use super::picture::Picture;
+use super::radius::{RadiusField, RadiusRule, typical_radius_squared};
+use super::shard::Region;
+use super::tally::{PixelTally, Tally, TallyError};
+
+/// The merged state of one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelEstimate {
+    /// R², m².
+    pub radius_squared: f64,
+    /// N, accumulated photons (not whole: α of each pass's).
+    pub photons: f64,
+    /// τ/R² = Σ Φᵢ/R²ᵢ, W·sr⁻¹·m⁻².
+    pub flux_density: [f64; 3],
+    /// Σ of radiance over passes, W·sr⁻¹·m⁻².
+    pub radiance: [f64; 3],
+}
+
+impl PixelEstimate {
+    /// τ, the un-normalised flux of the sources, W·sr⁻¹.
+    pub fn tau(&self) -> [f64; 3] {
+        self.flux_density.map(|density| density * self.radius_squared)
+    }
+}
+
+/// How far a region has come.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionProgress {
+    /// The pixels.
+    pub region: Region,
+    /// Passes merged; the next shard to merge must start here.
+    pub passes: u32,
+    /// E, photons emitted in them.
+    pub photons_emitted: u64,
+}
+
+/// The job's merged state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Picture width, pixels.
+    pub width: u32,
+    /// Picture height, pixels.
+    pub height: u32,
+    /// Row-major, top row first.
+    pub pixels: Vec<PixelEstimate>,
+    /// The regions, from top to bottom.
+    pub progress: Vec<RegionProgress>,
+    /// Contributions dropped because they were not finite.
+    pub non_finite: u64,
+    rule: RadiusRule,
+    alpha: f64,
+}
+
+/// A tally that cannot be merged now.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum MergeError {
+    /// The tally itself is wrong.
+    #[error(transparent)]
+    Tally(#[from] TallyError),
+    /// The region is not one of this estimate's.
+    #[error("rows {}..{} are not a region of this job", .0.row_start, .0.row_end)]
+    UnknownRegion(Region),
+    /// Shards must be folded in order.
+    #[error("shard starts at pass {found} where pass {expected} is next")]
+    OutOfOrder {
+        /// The next pass to merge.
+        expected: u32,
+        /// The shard's first pass.
+        found: u32,
+    },
+}
+
+impl Estimate {
+    /// An estimate without passes. `regions` cover the picture from top to bottom; `initial_radius_squared` has one
+    /// positive finite value per pixel.
+    pub fn new(
+        width: u32,
+        height: u32,
+        regions: &[Region],
+        initial_radius_squared: &[f32],
+        rule: RadiusRule,
+        alpha: f64,
+    ) -> Self {
+        assert_eq!(initial_radius_squared.len(), width as usize * height as usize, "one radius per pixel");
+        let pixel = |radius_squared: &f32| PixelEstimate {
+            radius_squared: f64::from(*radius_squared),
+            ..PixelEstimate::default()
+        };
+        let progress = |region: &Region| RegionProgress { region: *region, passes: 0, photons_emitted: 0 };
+        Self {
+            width,
+            height,
+            pixels: initial_radius_squared.iter().map(pixel).collect(),
+            progress: regions.iter().map(progress).collect(),
+            non_finite: 0,
+            rule,
+            alpha,
+        }
+    }
+
+    /// Passes merged in every region.
+    pub fn passes(&self) -> u32 {
+        self.progress.iter().map(|progress| progress.passes).min().unwrap_or(0)
+    }
+
+    /// Photons emitted, summed over regions.
+    pub fn photons_emitted(&self) -> u64 {
+        self.progress.iter().map(|progress| progress.photons_emitted).sum()
+    }
+
+    /// Folds the next tally of its region into the state. `field` holds the radii with which it was traced.
+    pub fn merge(&mut self, tally: &Tally, field: &RadiusField) -> Result<(), MergeError> {
+        tally.check()?;
+        let shard = tally.shard;
+        let progress = self
+            .progress
+            .iter_mut()
+            .find(|progress| progress.region == shard.region)
+            .ok_or(MergeError::UnknownRegion(shard.region))?;
+        if progress.passes != shard.first_pass {
+            return Err(MergeError::OutOfOrder { expected: progress.passes, found: shard.first_pass });
+        }
+        if field.radius_squared.len() != tally.pixels.len() {
+            let (expected, found) = (tally.pixels.len(), field.radius_squared.len());
+            return Err(TallyError::WrongSize { expected, found }.into());
+        }
+        let start = shard.region.row_start as usize * self.width as usize;
+        let pixels = &mut self.pixels[start..start + tally.pixels.len()];
+        let radii = field.radius_squared.iter();
+        for ((pixel, found), used) in pixels.iter_mut().zip(&tally.pixels).zip(radii) {
+            pixel.add(found, f64::from(*used));
+            if self.rule == RadiusRule::Statistics && found.photons > 0.0 {
+                pixel.shrink_radius(f64::from(found.photons), f64::from(*used), shard.passes, self.alpha);
+            }
+        }
+        progress.passes += shard.passes;
+        progress.photons_emitted += tally.photons_emitted;
+        self.non_finite += tally.non_finite;
+        Ok(())
+    }
+
+    /// The radii with which passes that start now are to be traced in `region`.
+    ///
+    /// Under `schedule` this is always the first radius, with `base_pass` 0.
+    pub fn radius_field(&self, region: Region) -> RadiusField {
+        let start = region.row_start as usize * self.width as usize;
+        let pixels = &self.pixels[start..start + region.pixel_count(self.width)];
+        let merged = self.progress.iter().find(|progress| progress.region == region);
+        RadiusField {
+            radius_squared: pixels.iter().map(|pixel| pixel.radius_squared as f32).collect(),
+            base_pass: match self.rule {
+                RadiusRule::Statistics => merged.map_or(0, |progress| progress.passes),
+                RadiusRule::Schedule => 0,
+            },
+            typical_radius_squared: self.typical_radius_squared(),
+        }
+    }
+
+    /// The median radius² of the whole picture, m².
+    pub fn typical_radius_squared(&self) -> f32 {
+        typical_radius_squared(self.pixels.iter().map(|pixel| pixel.radius_squared as f32))
+    }
+
+    /// Radiance as estimated so far: `L = Σradiance/passes + D/(π·E/passes)/passes`. Regions without a pass are black.
+    pub fn picture(&self) -> Picture {
+        let mut radiance = vec![[0.0f32; 3]; self.pixels.len()];
+        for progress in self.progress.iter().filter(|progress| progress.passes > 0) {
+            let start = progress.region.row_start as usize * self.width as usize;
+            let range = start..start + progress.region.pixel_count(self.width);
+            let per_pass = 1.0 / f64::from(progress.passes);
+            let per_photon = 1.0 / (std::f64::consts::PI * progress.photons_emitted as f64);
+            for (output, pixel) in radiance[range.clone()].iter_mut().zip(&self.pixels[range]) {
+                for (channel, value) in output.iter_mut().enumerate() {
+                    *value = (pixel.radiance[channel] * per_pass + pixel.flux_density[channel] * per_photon) as f32;
+                }
+            }
+        }
+        Picture { width: self.width, height: self.height, radiance }
+    }
+}
+
+impl PixelEstimate {
+    /// Adds sums that were gathered with `used` = R_used² [identity 1].
+    fn add(&mut self, found: &PixelTally, used: f64) {
+        for channel in 0..3 {
+            self.radiance[channel] += f64::from(found.radiance[channel]);
+            self.flux_density[channel] += f64::from(found.flux[channel]) / used;
+        }
+    }
+
+    /// Shrinks the radius by `passes` equal updates that together found `photons` > 0 inside `used` = R_used² [identity 2].
+    fn shrink_radius(&mut self, photons: f64, used: f64, passes: u32, alpha: f64) {
+        let density = photons / (f64::from(passes) * used);
+        let first = self.photons / (density * self.radius_squared);
+        self.radius_squared *= shrink_product(first, passes, alpha);
+        self.photons = density * self.radius_squared * (first + f64::from(passes));
+    }
+}
+
+/// `Π_{j<passes} (first+j+α)/(first+j+1)`, with one division per eight factors.
+fn shrink_product(first: f64, passes: u32, alpha: f64) -> f64 {
+    let mut product = 1.0;
+    for block in (0..passes).step_by(8) {
+        let (mut above, mut below) = (1.0, 1.0);
+        for j in block..passes.min(block + 8) {
+            above *= first + f64::from(j) + alpha;
+            below *= first + f64::from(j) + 1.0;
+        }
+        product *= above / below;
+    }
+    product
+}
