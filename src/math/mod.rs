@@ -1,1 +1,13 @@
-//! Vectors, frames, colour, distributions, random numbers and statistics. Imports nothing of this crate.
+//! Vectors, frames, colour, distributions, random numbers and warps. Imports nothing of this crate.
+
+pub mod color;
+pub mod discrete;
+pub mod frame;
+pub mod octahedral;
+pub mod random;
+pub mod trigonometry;
+pub mod warp;
+
+pub use color::Rgb;
+pub use frame::Frame;
+pub use glam::{Vec2, Vec3};

@@ -1,0 +1,53 @@
+//! Picking one of n things with given weights.
+
+/// A discrete distribution with probabilities proportional to non-negative weights.
+#[derive(Clone, Debug)]
+pub struct Discrete {
+    /// Cumulative probabilities; the last is exactly 1.
+    cumulative: Vec<f32>,
+    probabilities: Vec<f32>,
+    total: f64,
+}
+
+impl Discrete {
+    /// Builds from `weights` ≥ 0. `None` when they are empty, sum to 0 or are not finite.
+    pub fn new(weights: &[f64]) -> Option<Self> {
+        let total: f64 = weights.iter().sum();
+        if !(total > 0.0 && total.is_finite()) {
+            return None;
+        }
+        let mut sum = 0.0;
+        let mut cumulative: Vec<f32> = weights
+            .iter()
+            .map(|weight| {
+                sum += weight;
+                (sum / total) as f32
+            })
+            .collect();
+        let last_possible = weights.iter().rposition(|weight| *weight > 0.0)?;
+        cumulative[last_possible..].fill(1.0);
+        let probabilities = weights.iter().map(|weight| (weight / total) as f32).collect();
+        Some(Self { cumulative, probabilities, total })
+    }
+
+    /// The sum of the weights.
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// The probability with which `index` is picked.
+    pub fn probability(&self, index: usize) -> f32 {
+        self.probabilities[index]
+    }
+
+    /// Picks an index with `u` in [0, 1) and gives back `u` rescaled to [0, 1) for further use.
+    pub fn pick(&self, u: f32) -> (usize, f32) {
+        let index = self.cumulative.partition_point(|cumulative| *cumulative <= u).min(self.cumulative.len() - 1);
+        let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        let width = self.cumulative[index] - below;
+        (index, ((u - below) / width).clamp(0.0, ONE_MINUS_EPSILON))
+    }
+}
+
+/// The largest `f32` below 1.
+pub const ONE_MINUS_EPSILON: f32 = 1.0 - f32::EPSILON / 2.0;

@@ -1,0 +1,160 @@
+//! Cameras: `perspective` and `thinlens`.
+//!
+//! | parameter | meaning | unit, range | default |
+//! |---|---|---|---|
+//! | `fov` | angle of view along `fov_axis` | degrees, 0 to 180 | from `focal_length` |
+//! | `focal_length` | of a 35 mm camera, instead of `fov` | `50mm` | `50mm` |
+//! | `fov_axis` | `x`, `y`, `diagonal`, `smaller`, `larger` | – | `x` |
+//! | `to_world` | the camera looks along +z, its left is +x, up is +y | – | identity |
+//! | `near_clip`, `far_clip` | nearest and farthest depth that is seen | m | 0.01, 10000 |
+//! | `aperture_radius` | `thinlens`: radius of the lens | m, > 0 | – |
+//! | `focus_distance` | `thinlens`: depth that is sharp | m, > 0 | `far_clip` |
+
+use glam::{DVec3, Vec3};
+
+use super::error::{SceneError, nearest_name};
+use super::fields::Fields;
+use super::geometry::Ray;
+use super::geometry::transform::{ToWorld, to_single};
+use crate::math::{Vec2, warp};
+
+/// A camera, with or without a lens.
+#[derive(Clone, Debug)]
+pub struct Camera {
+    position: Vec3,
+    /// Unit axes: left, up, forward.
+    axes: [Vec3; 3],
+    /// Tangents of the half angles along x and y.
+    half_extent: Vec2,
+    aperture_radius: f32,
+    focus_distance: f32,
+    near: f32,
+    far: f32,
+}
+
+const CAMERAS: &[&str] = &["perspective", "thinlens"];
+
+/// Reads a sensor's own parameters; the film and sampler in it are read elsewhere.
+pub fn read(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<Camera, SceneError> {
+    let plugin = fields.node().plugin.as_str();
+    if !CAMERAS.contains(&plugin) {
+        let problem = format!("there is no sensor \"{plugin}\"");
+        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, CAMERAS)));
+    }
+    let to_world = ToWorld::read(fields)?;
+    let (near, far) = clip(fields)?;
+    let half_extent = half_extent(fields, width, height)?;
+    let (aperture_radius, focus_distance) = lens(fields, far)?;
+    fields.ignore(&["shutter_open", "shutter_close"]);
+    let axis = |axis: DVec3| to_world.vector(axis).normalize().as_vec3();
+    Ok(Camera {
+        position: to_single(to_world.point(DVec3::ZERO), fields)?,
+        axes: [axis(DVec3::X), axis(DVec3::Y), axis(DVec3::Z)],
+        half_extent,
+        aperture_radius,
+        focus_distance,
+        near,
+        far,
+    })
+}
+
+fn positive(fields: &mut Fields<'_>, name: &'static str) -> Result<Option<f32>, SceneError> {
+    match fields.float(name)? {
+        Some(number) if number <= 0.0 => {
+            Err(fields.error(name, format!("\"{name}\" is {number}"), "give a number above 0"))
+        }
+        number => Ok(number.map(|number| number as f32)),
+    }
+}
+
+fn clip(fields: &mut Fields<'_>) -> Result<(f32, f32), SceneError> {
+    let near = positive(fields, "near_clip")?.unwrap_or(0.01);
+    let far = positive(fields, "far_clip")?.unwrap_or(10_000.0);
+    if near < far {
+        return Ok((near, far));
+    }
+    Err(fields.error("near_clip", format!("nothing lies between {near} and {far} m"), "set near_clip below far_clip"))
+}
+
+fn lens(fields: &mut Fields<'_>, far: f32) -> Result<(f32, f32), SceneError> {
+    if fields.node().plugin != "thinlens" {
+        fields.ignore(&["focus_distance"]);
+        return Ok((0.0, 1.0));
+    }
+    let focus_distance = positive(fields, "focus_distance")?.unwrap_or(far);
+    match positive(fields, "aperture_radius")? {
+        Some(radius) => Ok((radius, focus_distance)),
+        None => Err(SceneError::new(fields.location(), "a thinlens has no \"aperture_radius\"", "give it in metres")),
+    }
+}
+
+/// Tangents of the half angles of view along x and y.
+fn half_extent(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<Vec2, SceneError> {
+    let aspect = f64::from(width) / f64::from(height);
+    let Some(fov) = fields.float("fov")? else { return focal_length(fields, aspect) };
+    if !(fov > 0.0 && fov < 180.0) {
+        return Err(fields.error("fov", format!("\"fov\" is {fov} degrees"), "give an angle between 0 and 180 degrees"));
+    }
+    if fields.has("focal_length") {
+        return Err(fields.error("fov", "a sensor has both \"fov\" and \"focal_length\"", "give one of them"));
+    }
+    let tangent = libm::tan(0.5 * fov.to_radians());
+    let x = match fields.string("fov_axis")?.unwrap_or("x") {
+        "x" => tangent,
+        "y" => tangent * aspect,
+        "smaller" => tangent * aspect.max(1.0),
+        "larger" => tangent * aspect.min(1.0),
+        "diagonal" => tangent * aspect / (1.0 + aspect * aspect).sqrt(),
+        other => {
+            let remedy = nearest_name(other, &["x", "y", "diagonal", "smaller", "larger"]);
+            return Err(fields.error("fov_axis", format!("there is no fov_axis \"{other}\""), remedy));
+        }
+    };
+    Ok(Vec2::new(x as f32, (x / aspect) as f32))
+}
+
+fn focal_length(fields: &mut Fields<'_>, aspect: f64) -> Result<Vec2, SceneError> {
+    let text = fields.string("focal_length")?.unwrap_or("50mm");
+    fields.ignore(&["fov_axis"]);
+    match text.trim_end_matches("mm").trim().parse::<f64>() {
+        Ok(length) if length > 0.0 && length.is_finite() => {
+            // Half the diagonal of a 36 × 24 mm film.
+            let tangent = 0.5 * f64::sqrt(36.0 * 36.0 + 24.0 * 24.0) / length;
+            let x = tangent * aspect / (1.0 + aspect * aspect).sqrt();
+            Ok(Vec2::new(x as f32, (x / aspect) as f32))
+        }
+        _ => Err(fields.error("focal_length", format!("\"{text}\" is no focal length"), "write for example 50mm")),
+    }
+}
+
+impl Camera {
+    /// The ray through a point of the picture, (0, 0) top left to (1, 1) bottom right, and a lens sample in [0, 1)².
+    #[inline]
+    pub fn ray(&self, picture: Vec2, lens: [f32; 2]) -> Ray {
+        let x = (1.0 - 2.0 * picture.x) * self.half_extent.x;
+        let y = (1.0 - 2.0 * picture.y) * self.half_extent.y;
+        let [left, up, forward] = self.axes;
+        let through = left * x + up * y + forward;
+        let (start, direction) = if self.aperture_radius > 0.0 {
+            let point = warp::disc(lens) * self.aperture_radius;
+            let start = left * point.x + up * point.y;
+            (start, (through * self.focus_distance - start).normalize())
+        } else {
+            (Vec3::ZERO, through.normalize())
+        };
+        // Clip distances are depths along the axis.
+        let per_depth = 1.0 / direction.dot(forward);
+        let origin = self.position + start + direction * (self.near * per_depth);
+        Ray { origin, direction, length: (self.far - self.near) * per_depth }
+    }
+
+    /// Where it stands, m.
+    pub fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    /// Radius of the footprint of a pixel at `distance`, m, in a picture `width` pixels wide.
+    pub fn pixel_footprint(&self, distance: f32, width: u32) -> f32 {
+        distance * self.half_extent.x / width as f32
+    }
+}

@@ -1,0 +1,96 @@
+//! The bounding volume hierarchy over a scene's primitives. The only file that names obvhs.
+//!
+//! obvhs clamps the near distance to 10⁻⁴ of its own units, so coordinates are scaled by a power of two (which is exact) to
+//! sizes where that is below the spacing of `f32`.
+
+use std::time::Duration;
+
+use glam::Vec3;
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, ray::RayHit};
+
+use super::primitive::Primitive;
+use super::ray::{PrimitiveHit, Ray, Shear, largest};
+
+/// A hierarchy over primitives that it owns in its own order.
+pub struct Accelerator {
+    tree: CwBvh,
+    /// World units to tree units.
+    scale: f32,
+    primitives: Vec<Primitive>,
+}
+
+struct Bounds(Aabb);
+
+impl Boundable for Bounds {
+    fn aabb(&self) -> Aabb {
+        self.0
+    }
+}
+
+impl Accelerator {
+    /// Builds over `primitives`; also gives the new order as indices into them.
+    pub fn build(primitives: &[Primitive]) -> (Self, Vec<u32>) {
+        let boxes: Vec<(Vec3, Vec3)> = primitives.iter().map(Primitive::bounds).collect();
+        let size = boxes.iter().map(|(low, high)| largest(*low).max(largest(*high))).fold(0.0, f32::max);
+        let scale = scale_for(size);
+        let bounds: Vec<Bounds> = boxes.iter().map(|(low, high)| Bounds(padded(*low * scale, *high * scale))).collect();
+        let tree = build_cwbvh(&bounds, BvhBuildParams::slow_build(), &mut Duration::default());
+        let order = tree.primitive_indices.clone();
+        let primitives = order.iter().map(|index| primitives[*index as usize]).collect();
+        (Self { tree, scale, primitives }, order)
+    }
+
+    /// The primitives in tree order.
+    pub fn primitives(&self) -> &[Primitive] {
+        &self.primitives
+    }
+
+    /// The nearest hit and the index of its primitive.
+    #[inline]
+    pub fn nearest(&self, ray: &Ray) -> Option<(usize, PrimitiveHit)> {
+        let shear = Shear::new(ray.direction);
+        let mut nearest = PrimitiveHit::at(ray.length);
+        let mut found = usize::MAX;
+        self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| {
+            match self.primitives[index].intersect(ray, &shear, nearest.distance) {
+                Some(hit) => {
+                    (nearest, found) = (hit, index);
+                    hit.distance * self.scale
+                }
+                None => f32::INFINITY,
+            }
+        });
+        (found != usize::MAX).then_some((found, nearest))
+    }
+
+    /// Whether anything is hit before the ray's length.
+    #[inline]
+    pub fn is_blocked(&self, ray: &Ray) -> bool {
+        let shear = Shear::new(ray.direction);
+        !self.tree.ray_traverse_miss(self.tree_ray(ray), |_, index| {
+            match self.primitives[index].intersect(ray, &shear, ray.length) {
+                Some(_) => 0.0,
+                None => f32::INFINITY,
+            }
+        })
+    }
+
+    #[inline]
+    fn tree_ray(&self, ray: &Ray) -> obvhs::ray::Ray {
+        let length = ray.length * self.scale;
+        obvhs::ray::Ray::new((ray.origin * self.scale).into(), ray.direction.into(), 0.0, length)
+    }
+}
+
+/// The power of two that brings coordinates of `size` to about 4096.
+fn scale_for(size: f32) -> f32 {
+    let exponent = if size > 0.0 { libm::frexpf(size).1 } else { 0 };
+    libm::ldexpf(1.0, (12 - exponent).clamp(-126, 127))
+}
+
+/// Room for rounding, so that flat boxes keep every ray that meets what they hold.
+fn padded(low: Vec3, high: Vec3) -> Aabb {
+    let padding = largest(low).max(largest(high)) * (4.0 * f32::EPSILON);
+    Aabb { min: (low - padding).into(), max: (high + padding).into() }
+}

@@ -1,0 +1,108 @@
+//! `cylinder`: the open tube of `radius` (m, above 0, 1) between `p0` (point, origin) and `p1` (point, 0 0 1), then `to_world`
+//! (a similarity). Outside is away from the axis; `flip_normals` (boolean, false) turns it round. It has no caps.
+
+use glam::{DVec3, Vec3};
+
+use super::Primitive;
+use super::mesh::ShapeGeometry;
+use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
+use super::sphere::positive_radius;
+use super::transform::{ToWorld, to_single};
+use crate::math::Frame;
+use crate::math::trigonometry::sin_cos_turn;
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// An open tube.
+#[derive(Clone, Copy, Debug)]
+pub struct Cylinder {
+    start: Vec3,
+    /// Unit direction.
+    axis: Vec3,
+    height: f32,
+    radius: f32,
+    orientation: f32,
+}
+
+/// Reads the shape.
+pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+    let start = fields.vector("p0")?.unwrap_or(DVec3::ZERO);
+    let end = fields.vector("p1")?.unwrap_or(DVec3::Z);
+    let radius = positive_radius(fields)?;
+    let to_world = ToWorld::read(fields)?;
+    let flip = fields.boolean("flip_normals")?.unwrap_or(false);
+    let axis = to_world.vector(end - start);
+    if axis.length() == 0.0 {
+        return Err(fields.error("p1", "the cylinder has no height", "give p0 and p1 that differ"));
+    }
+    let cylinder = Cylinder {
+        start: to_single(to_world.point(start), fields)?,
+        axis: axis.normalize().as_vec3(),
+        height: to_single(DVec3::splat(axis.length()), fields)?.x,
+        radius: to_single(DVec3::splat(radius * to_world.uniform_scale(fields)?), fields)?.x,
+        orientation: if flip { -1.0 } else { 1.0 },
+    };
+    Ok(ShapeGeometry::from_primitives(vec![Primitive::Cylinder(cylinder)]))
+}
+
+impl Cylinder {
+    /// Nearest hit before `length`.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, _shear: &Shear, length: f32) -> Option<PrimitiveHit> {
+        let from_start = ray.origin - self.start;
+        let along = ray.direction.dot(self.axis);
+        let across = ray.direction - self.axis * along;
+        let offset = from_start - self.axis * from_start.dot(self.axis);
+        let a = across.length_squared();
+        let half_b = -offset.dot(across);
+        // The discriminant from the point nearest to the axis, which loses no digits far away.
+        let nearest = offset + across * (half_b / a);
+        let discriminant = self.radius * self.radius - nearest.length_squared();
+        if !(discriminant >= 0.0 && a > 0.0) {
+            return None;
+        }
+        let q = half_b + (a * discriminant).sqrt().copysign(half_b);
+        let c = offset.length_squared() - self.radius * self.radius;
+        let (one, other) = (c / q, q / a);
+        [one.min(other), one.max(other)].into_iter().find_map(|distance| {
+            let height = from_start.dot(self.axis) + distance * along;
+            (distance > 0.0 && distance < length && (0.0..=self.height).contains(&height))
+                .then(|| PrimitiveHit::at(distance))
+        })
+    }
+
+    /// The point of a hit, moved back onto the tube.
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &PrimitiveHit) -> SurfacePoint {
+        let relative = ray.at(hit.distance) - self.start;
+        let height = relative.dot(self.axis);
+        self.point((relative - self.axis * height).normalize(), height)
+    }
+
+    fn point(&self, outward: Vec3, height: f32) -> SurfacePoint {
+        SurfacePoint {
+            position: self.start + self.axis * height + outward * self.radius,
+            normal: outward * self.orientation,
+            error: position_error(largest(self.start) + self.height + self.radius),
+        }
+    }
+
+    /// Area, m².
+    pub fn area(&self) -> f32 {
+        2.0 * std::f32::consts::PI * self.radius * self.height
+    }
+
+    /// Smallest and largest coordinates.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        let end = self.start + self.axis * self.height;
+        let reach = (Vec3::ONE - self.axis * self.axis).max(Vec3::ZERO).map(f32::sqrt) * self.radius;
+        (self.start.min(end) - reach, self.start.max(end) + reach)
+    }
+
+    /// A point uniform by area.
+    pub fn sample(&self, u: [f32; 2]) -> SurfacePoint {
+        let (sin, cos) = sin_cos_turn(u[1]);
+        let frame = Frame::from_normal(self.axis);
+        self.point(frame.tangent * cos + frame.bitangent * sin, u[0] * self.height)
+    }
+}

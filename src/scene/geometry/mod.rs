@@ -1,0 +1,20 @@
+//! Shapes: one file per kind, one row each in [`primitive`]'s table, all behind one accelerator.
+
+pub mod accelerator;
+pub mod cylinder;
+pub mod disk;
+pub mod mesh;
+pub mod obj;
+pub mod ply;
+pub mod primitive;
+pub mod ray;
+pub mod rectangle;
+pub mod sphere;
+pub mod surface;
+pub mod transform;
+pub mod triangle;
+pub mod triangle_mesh;
+
+pub use primitive::Primitive;
+pub use ray::Ray;
+pub use surface::{Geometry, Interaction, Shape};

@@ -1,0 +1,70 @@
+//! What the accelerator holds. A new kind of primitive is one file and one row in `primitives!`; a new kind of shape is one
+//! file and one row in [`SHAPES`].
+
+use glam::Vec3;
+
+use super::cylinder::{self, Cylinder};
+use super::disk::{self, Disk};
+use super::mesh::{self, ShapeGeometry};
+use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint};
+use super::rectangle::{self, Rectangle};
+use super::sphere::{self, Sphere};
+use super::triangle::Triangle;
+use crate::scene::bundle::Bundle;
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// Reads the parameters of a shape plugin.
+pub type ReadShape = fn(&mut Fields<'_>, &Bundle) -> Result<ShapeGeometry, SceneError>;
+
+/// Shape plugins by name.
+pub const SHAPES: &[(&str, ReadShape)] = &[
+    ("rectangle", |fields, _| rectangle::read(fields)),
+    ("cube", |fields, _| mesh::read_cube(fields)),
+    ("sphere", |fields, _| sphere::read(fields)),
+    ("disk", |fields, _| disk::read(fields)),
+    ("cylinder", |fields, _| cylinder::read(fields)),
+    ("ply", mesh::read_ply),
+    ("obj", mesh::read_obj),
+];
+
+macro_rules! primitives {
+    ($($kind:ident),+) => {
+        /// One thing that rays can hit.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Primitive {
+            $(#[doc = concat!("A ", stringify!($kind), ".")] $kind($kind)),+
+        }
+
+        impl Primitive {
+            /// Nearest hit before `length`, m.
+            #[inline]
+            pub fn intersect(&self, ray: &Ray, shear: &Shear, length: f32) -> Option<PrimitiveHit> {
+                match self { $(Self::$kind(primitive) => primitive.intersect(ray, shear, length)),+ }
+            }
+
+            /// The surface at a hit.
+            #[inline]
+            pub fn surface(&self, ray: &Ray, hit: &PrimitiveHit) -> SurfacePoint {
+                match self { $(Self::$kind(primitive) => primitive.surface(ray, hit)),+ }
+            }
+
+            /// Area, m².
+            pub fn area(&self) -> f32 {
+                match self { $(Self::$kind(primitive) => primitive.area()),+ }
+            }
+
+            /// Smallest and largest coordinates, m.
+            pub fn bounds(&self) -> (Vec3, Vec3) {
+                match self { $(Self::$kind(primitive) => primitive.bounds()),+ }
+            }
+
+            /// A point uniform by area.
+            pub fn sample(&self, u: [f32; 2]) -> SurfacePoint {
+                match self { $(Self::$kind(primitive) => primitive.sample(u)),+ }
+            }
+        }
+    };
+}
+
+primitives!(Triangle, Rectangle, Sphere, Disk, Cylinder);

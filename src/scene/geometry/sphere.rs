@@ -1,0 +1,122 @@
+//! `sphere`: `center` (point, origin) and `radius` (m, above 0, 1) in its own space, then `to_world` (a similarity).
+//! Outside is away from the centre; `flip_normals` (boolean, false) turns it round.
+
+use glam::{DVec3, Vec3};
+
+use super::Primitive;
+use super::mesh::ShapeGeometry;
+use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
+use super::transform::{ToWorld, to_single};
+use crate::math::{Frame, warp};
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// A sphere.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    center: Vec3,
+    radius: f32,
+    /// 1, or -1 when the outside is towards the centre.
+    orientation: f32,
+}
+
+/// Reads the shape.
+pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+    let center = fields.vector("center")?.unwrap_or(DVec3::ZERO);
+    let radius = positive_radius(fields)?;
+    let to_world = ToWorld::read(fields)?;
+    let flip = fields.boolean("flip_normals")?.unwrap_or(false);
+    let sphere = Sphere {
+        center: to_single(to_world.point(center), fields)?,
+        radius: to_single(DVec3::splat(radius * to_world.uniform_scale(fields)?), fields)?.x,
+        orientation: if flip { -1.0 } else { 1.0 },
+    };
+    Ok(ShapeGeometry::from_primitives(vec![Primitive::Sphere(sphere)]))
+}
+
+/// Reads `radius` (m, above 0, 1 by default).
+pub fn positive_radius(fields: &mut Fields<'_>) -> Result<f64, SceneError> {
+    let radius = fields.float("radius")?.unwrap_or(1.0);
+    if radius > 0.0 {
+        return Ok(radius);
+    }
+    let problem = format!("a {} of radius {radius} is empty or inside out", fields.node().plugin);
+    Err(fields.error("radius", problem, "give a radius above 0; flip_normals turns a shape inside out"))
+}
+
+impl Sphere {
+    /// Nearest hit before `length` [Haines, Günther & Akenine-Möller 2019, "Precision improvements for ray/sphere intersection"].
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, _shear: &Shear, length: f32) -> Option<PrimitiveHit> {
+        let from_center = ray.origin - self.center;
+        let half_b = -from_center.dot(ray.direction);
+        let nearest = from_center + ray.direction * half_b;
+        let discriminant = self.radius * self.radius - nearest.length_squared();
+        if discriminant < 0.0 {
+            return None;
+        }
+        let q = half_b + discriminant.sqrt().copysign(half_b);
+        let c = from_center.length_squared() - self.radius * self.radius;
+        let (one, other) = (c / q, q);
+        let (near, far) = (one.min(other), one.max(other));
+        let distance = if near > 0.0 { near } else { far };
+        (distance > 0.0 && distance < length).then(|| PrimitiveHit::at(distance))
+    }
+
+    /// The point of a hit, moved back onto the sphere.
+    #[inline]
+    pub fn surface(&self, ray: &Ray, hit: &PrimitiveHit) -> SurfacePoint {
+        self.point((ray.at(hit.distance) - self.center).normalize())
+    }
+
+    #[inline]
+    fn point(&self, direction: Vec3) -> SurfacePoint {
+        SurfacePoint {
+            position: self.center + direction * self.radius,
+            normal: direction * self.orientation,
+            error: position_error(largest(self.center) + self.radius),
+        }
+    }
+
+    /// Area, m².
+    pub fn area(&self) -> f32 {
+        4.0 * std::f32::consts::PI * self.radius * self.radius
+    }
+
+    /// Smallest and largest coordinates.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        (self.center - self.radius, self.center + self.radius)
+    }
+
+    /// A point uniform by area.
+    pub fn sample(&self, u: [f32; 2]) -> SurfacePoint {
+        self.point(warp::sphere(u))
+    }
+
+    /// A direction from `origin` uniform in the cone that the sphere fills, the point it meets, and the density by solid
+    /// angle; `None` inside.
+    #[inline]
+    pub fn sample_cone(&self, origin: Vec3, u: [f32; 2]) -> Option<(SurfacePoint, f32)> {
+        let one_minus_cosine = self.one_minus_cosine(origin)?;
+        let to_center = self.center - origin;
+        let distance_to_center = to_center.length();
+        let local = warp::cone(one_minus_cosine, u);
+        let direction = Frame::from_normal(to_center / distance_to_center).to_world(local);
+        let sine_squared = (1.0 - local.z) * (1.0 + local.z);
+        let inside = self.radius * self.radius - distance_to_center * distance_to_center * sine_squared;
+        let distance = distance_to_center * local.z - inside.max(0.0).sqrt();
+        let point = self.point((origin + direction * distance - self.center).normalize());
+        Some((point, warp::cone_pdf(one_minus_cosine)))
+    }
+
+    /// The density of [`Sphere::sample_cone`] for directions that meet the sphere; `None` inside.
+    #[inline]
+    pub fn cone_pdf(&self, origin: Vec3) -> Option<f32> {
+        self.one_minus_cosine(origin).map(warp::cone_pdf)
+    }
+
+    fn one_minus_cosine(&self, origin: Vec3) -> Option<f32> {
+        let sine_squared = self.radius * self.radius / (self.center - origin).length_squared();
+        (sine_squared < 0.9999).then(|| sine_squared / (1.0 + (1.0 - sine_squared).sqrt()))
+    }
+}

@@ -1,0 +1,69 @@
+//! Reading `to_world` and applying it in double precision.
+
+use glam::{DMat3, DMat4, DVec3, Vec3};
+
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// A checked affine map from a shape's own space to the world.
+#[derive(Clone, Copy, Debug)]
+pub struct ToWorld {
+    matrix: DMat4,
+    normal_matrix: DMat3,
+}
+
+impl ToWorld {
+    /// Reads `to_world`; the identity when it is not given.
+    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+        let matrix = fields.transform("to_world")?;
+        if matrix.row(3) != glam::DVec4::W {
+            let problem = "\"to_world\" is a perspective transform";
+            return Err(fields.error("to_world", problem, "its last row must be 0 0 0 1"));
+        }
+        let normal_matrix = DMat3::from_mat4(matrix).inverse().transpose();
+        Ok(Self { matrix, normal_matrix })
+    }
+
+    /// The same map after scaling by `radius` and moving to `center` in the shape's own space.
+    pub fn after(self, center: DVec3, radius: f64) -> Self {
+        let matrix = self.matrix * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius));
+        Self { matrix, normal_matrix: self.normal_matrix / radius }
+    }
+
+    /// Maps a point.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.matrix.transform_point3(point)
+    }
+
+    /// Maps a vector.
+    pub fn vector(&self, vector: DVec3) -> DVec3 {
+        self.matrix.transform_vector3(vector)
+    }
+
+    /// Maps a normal to a unit normal.
+    pub fn normal(&self, normal: DVec3) -> DVec3 {
+        (self.normal_matrix * normal).normalize()
+    }
+
+    /// The one factor by which it scales all lengths; an error at `to_world` when it is not a similarity.
+    pub fn uniform_scale(&self, fields: &Fields<'_>) -> Result<f64, SceneError> {
+        let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.vector(axis));
+        let scale = columns[0].length();
+        let even = columns.iter().all(|column| (column.length() - scale).abs() <= 1e-4 * scale);
+        let square = (0..3).all(|i| columns[i].dot(columns[(i + 1) % 3]).abs() <= 1e-4 * scale * scale);
+        if even && square {
+            return Ok(scale);
+        }
+        let problem = format!("a {} cannot be sheared or scaled unevenly", fields.node().plugin);
+        Err(fields.error("to_world", problem, "use a uniform scale, or a mesh"))
+    }
+}
+
+/// To single precision; an error when the numbers do not fit.
+pub fn to_single(point: DVec3, fields: &Fields<'_>) -> Result<Vec3, SceneError> {
+    let single = point.as_vec3();
+    if single.is_finite() {
+        return Ok(single);
+    }
+    Err(SceneError::new(fields.location(), "the shape lies outside the range of single precision", "scale the scene down"))
+}

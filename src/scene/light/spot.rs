@@ -1,0 +1,112 @@
+//! `spot`: light from one point into a cone around the +z axis of `to_world`.
+//!
+//! | parameter | meaning | unit, range | default |
+//! |---|---|---|---|
+//! | `intensity` | radiant intensity on the axis | W·sr⁻¹ | 1 |
+//! | `cutoff_angle` | half angle beyond which there is no light | degrees, 0 to 180 | 20 |
+//! | `beam_width` | half angle up to which intensity is full; it falls linearly with the angle from here | degrees, up to the cutoff | ¾ cutoff |
+
+use std::f32::consts::PI;
+
+use glam::DVec3;
+
+use super::point::read_intensity;
+use super::{DirectSample, EmittedPhoton};
+use crate::math::{Frame, Rgb, Vec3, warp};
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+use crate::scene::geometry::Geometry;
+use crate::scene::geometry::transform::{ToWorld, to_single};
+
+/// A spot light.
+#[derive(Clone, Debug)]
+pub struct Spot {
+    position: Vec3,
+    axis: Frame,
+    intensity: Rgb,
+    /// Radians.
+    cutoff: f32,
+    /// Radians.
+    beam_width: f32,
+    one_minus_cosine: f32,
+    power: Rgb,
+}
+
+impl Spot {
+    /// Reads the parameters.
+    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+        let to_world = ToWorld::read(fields)?;
+        let intensity = read_intensity(fields)?;
+        let cutoff = fields.float("cutoff_angle")?.unwrap_or(20.0);
+        if !(cutoff > 0.0 && cutoff <= 180.0) {
+            let problem = format!("\"cutoff_angle\" is {cutoff} degrees");
+            return Err(fields.error("cutoff_angle", problem, "give an angle above 0 and up to 180 degrees"));
+        }
+        let beam_width = fields.float("beam_width")?.unwrap_or(0.75 * cutoff);
+        if !(0.0..=cutoff).contains(&beam_width) {
+            let problem = format!("\"beam_width\" is {beam_width} degrees");
+            return Err(fields.error("beam_width", problem, format!("give an angle from 0 to the cutoff, {cutoff}")));
+        }
+        let (cutoff, beam_width) = (cutoff.to_radians(), beam_width.to_radians());
+        Ok(Self {
+            position: to_single(to_world.point(DVec3::ZERO), fields)?,
+            axis: Frame::from_normal(to_world.vector(DVec3::Z).normalize().as_vec3()),
+            intensity,
+            cutoff: cutoff as f32,
+            beam_width: beam_width as f32,
+            one_minus_cosine: (2.0 * libm::sin(0.5 * cutoff) * libm::sin(0.5 * cutoff)) as f32,
+            power: intensity * solid_angle(cutoff, beam_width) as f32,
+        })
+    }
+
+    /// Intensity at the angle whose cosine against the axis is `cosine`.
+    #[inline]
+    fn intensity_at(&self, cosine: f32) -> Rgb {
+        let angle = libm::acosf(cosine.clamp(-1.0, 1.0));
+        if angle >= self.cutoff {
+            return Rgb::ZERO;
+        }
+        if angle <= self.beam_width {
+            return self.intensity;
+        }
+        self.intensity * ((self.cutoff - angle) / (self.cutoff - self.beam_width))
+    }
+
+    /// The integral of the intensity over the cone.
+    pub fn power(&self) -> Rgb {
+        self.power
+    }
+
+    /// I(angle)/d².
+    #[inline]
+    pub fn sample_direct(&self, _geometry: &Geometry, point: Vec3, _u: [f32; 2]) -> Option<DirectSample> {
+        let to_light = self.position - point;
+        let distance = to_light.length();
+        let direction = to_light / distance;
+        let intensity = self.intensity_at(-direction.dot(self.axis.normal));
+        (distance > 0.0 && intensity != Rgb::ZERO).then(|| DirectSample {
+            direction,
+            distance,
+            weighted_radiance: intensity / (distance * distance),
+            pdf_solid_angle: 0.0,
+        })
+    }
+
+    /// A direction uniform in the cone.
+    #[inline]
+    pub fn emit(&self, _geometry: &Geometry, _place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
+        let local = warp::cone(self.one_minus_cosine, direction);
+        let flux = self.intensity_at(local.z) * (2.0 * PI * self.one_minus_cosine);
+        Some(EmittedPhoton { origin: self.position, direction: self.axis.to_world(local), flux })
+    }
+}
+
+/// ∫ falloff dω in closed form, sr: a full cone up to `beam` and a linear ramp in the angle from there to `cutoff`, radians.
+fn solid_angle(cutoff: f64, beam: f64) -> f64 {
+    let tau = std::f64::consts::TAU;
+    if beam >= cutoff {
+        return tau * (1.0 - libm::cos(cutoff));
+    }
+    // ∫ sin a da from 0 to b is 1 - cos b; ∫ (c - a)/(c - b) sin a da from b to c is cos b - (sin c - sin b)/(c - b).
+    tau * (1.0 - (libm::sin(cutoff) - libm::sin(beam)) / (cutoff - beam))
+}

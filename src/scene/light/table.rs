@@ -1,0 +1,84 @@
+//! All lights of a scene, picked by power.
+
+use super::{Constant, DirectSample, EmittedPhoton, Light};
+use crate::math::color::luminance;
+use crate::math::discrete::Discrete;
+use crate::math::{Rgb, Vec3};
+use crate::scene::geometry::surface::NO_LIGHT;
+use crate::scene::geometry::{Geometry, Interaction};
+
+/// The lights, and the probabilities with which they are picked.
+pub struct LightTable {
+    lights: Vec<Light>,
+    by_power: Discrete,
+    environment: Option<(usize, Constant)>,
+    has_extent: bool,
+}
+
+impl LightTable {
+    /// A table; `None` when no light emits anything.
+    pub fn new(lights: Vec<Light>) -> Option<Self> {
+        let powers: Vec<f64> = lights.iter().map(|light| f64::from(luminance(light.power()))).collect();
+        let by_power = Discrete::new(&powers)?;
+        let environment = lights.iter().enumerate().find_map(|(index, light)| match light {
+            Light::Constant(constant) => Some((index, constant.clone())),
+            _ => None,
+        });
+        let has_extent = lights.iter().any(Light::has_extent);
+        Some(Self { lights, by_power, environment, has_extent })
+    }
+
+    /// The lights.
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// Whether directions can hit any light by chance.
+    pub fn has_extent(&self) -> bool {
+        self.has_extent
+    }
+
+    /// Picks a light with `u[0]` and samples what may arrive from it at `point`; densities include the pick.
+    #[inline]
+    pub fn sample_direct(&self, geometry: &Geometry, point: Vec3, u: [f32; 3]) -> Option<DirectSample> {
+        let (index, _) = self.by_power.pick(u[0]);
+        let probability = self.by_power.probability(index);
+        let sample = self.lights[index].sample_direct(geometry, point, [u[1], u[2]])?;
+        Some(DirectSample {
+            weighted_radiance: sample.weighted_radiance / probability,
+            pdf_solid_angle: sample.pdf_solid_angle * probability,
+            ..sample
+        })
+    }
+
+    /// Radiance that a hit emits back along the path, and the density by solid angle with which
+    /// [`LightTable::sample_direct`] from `point` finds it.
+    #[inline]
+    pub fn emitted(&self, geometry: &Geometry, point: Vec3, hit: &Interaction) -> Option<(Rgb, f32)> {
+        if hit.shape.light == NO_LIGHT {
+            return None;
+        }
+        let index = hit.shape.light as usize;
+        let radiance = self.lights[index].emitted(hit);
+        if radiance == Rgb::ZERO {
+            return None;
+        }
+        let pdf = self.lights[index].direct_pdf(geometry, point, hit) * self.by_power.probability(index);
+        Some((radiance, pdf))
+    }
+
+    /// Radiance that arrives from outside the scene, and the density by solid angle of sampling that direction.
+    #[inline]
+    pub fn environment(&self) -> Option<(Rgb, f32)> {
+        let (index, constant) = self.environment.as_ref()?;
+        Some((constant.radiance(), constant.direct_pdf() * self.by_power.probability(*index)))
+    }
+
+    /// Picks a light by power and emits a photon; its flux includes the pick.
+    #[inline]
+    pub fn emit(&self, geometry: &Geometry, place: [f32; 3], direction: [f32; 2]) -> Option<EmittedPhoton> {
+        let (index, _) = self.by_power.pick(place[0]);
+        let photon = self.lights[index].emit(geometry, [place[1], place[2]], direction)?;
+        Some(EmittedPhoton { flux: photon.flux / self.by_power.probability(index), ..photon })
+    }
+}

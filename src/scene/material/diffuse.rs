@@ -1,0 +1,69 @@
+//! `diffuse`: an ideal matte surface; one-sided, black from behind.
+//!
+//! | parameter | meaning | range | default |
+//! |---|---|---|---|
+//! | `reflectance` | share of light it reflects, per channel | 0 to 1 | 0.5 |
+//!
+//! f = reflectance/π; sampled by the cosine.
+
+use std::f32::consts::FRAC_1_PI;
+
+use super::{Lobes, MaterialSample, TransportMode, read_share};
+use crate::math::{Rgb, Vec3, warp};
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// An ideal matte surface.
+#[derive(Clone, Debug)]
+pub struct Diffuse {
+    reflectance: Rgb,
+}
+
+impl Diffuse {
+    /// A grey of `reflectance`, 0 to 1.
+    pub fn grey(reflectance: f32) -> Self {
+        Self { reflectance: Rgb::splat(reflectance) }
+    }
+
+    /// Reads the parameters.
+    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+        Ok(Self { reflectance: read_share(fields, "reflectance", 0.5)? })
+    }
+
+    /// Samples by the cosine: the weight is the reflectance.
+    #[inline]
+    pub fn sample(&self, outgoing: Vec3, _mode: TransportMode, u: [f32; 3]) -> Option<MaterialSample> {
+        let direction = warp::cosine_hemisphere([u[0], u[1]]);
+        let pdf = warp::cosine_hemisphere_pdf(direction.z);
+        (outgoing.z > 0.0 && pdf > 0.0)
+            .then_some(MaterialSample { direction, weight: self.reflectance, pdf, relative_index: 1.0 })
+    }
+
+    /// reflectance/π above the surface.
+    #[inline]
+    pub fn evaluate(&self, outgoing: Vec3, incident: Vec3) -> Rgb {
+        if outgoing.z > 0.0 && incident.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+    }
+
+    /// cos θ/π above the surface.
+    #[inline]
+    pub fn pdf(&self, outgoing: Vec3, incident: Vec3) -> f32 {
+        if outgoing.z > 0.0 { warp::cosine_hemisphere_pdf(incident.z) } else { 0.0 }
+    }
+
+    /// One smooth lobe.
+    pub fn lobes(&self) -> Lobes {
+        Lobes { smooth: true, ..Lobes::default() }
+    }
+
+    /// None.
+    pub fn specular_lobes(&self, _outgoing: Vec3, _mode: TransportMode) -> [Option<MaterialSample>; 2] {
+        [None, None]
+    }
+
+    /// reflectance/π.
+    #[inline]
+    pub fn constant_value(&self, outgoing: Vec3) -> Option<Rgb> {
+        Some(if outgoing.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO })
+    }
+}

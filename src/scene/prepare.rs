@@ -1,0 +1,264 @@
+//! Description to prepared scene.
+
+use std::sync::Arc;
+
+use super::camera::{self, Camera};
+use super::description::{Node, PluginClass, SceneDescription, Value};
+use super::error::{SceneError, nearest_name};
+use super::fields::Fields;
+use super::film::{self, Film};
+use super::geometry::mesh::ShapeGeometry;
+use super::geometry::primitive::SHAPES;
+use super::geometry::surface::NO_LIGHT;
+use super::geometry::{Geometry, Shape};
+use super::light::area::read_radiance;
+use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
+use super::material::{self, Lobes, Material};
+use crate::math::Rgb;
+
+/// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
+pub struct Scene {
+    /// Picture width, pixels.
+    pub width: u32,
+    /// Picture height, pixels.
+    pub height: u32,
+    /// The camera.
+    pub camera: Camera,
+    /// All surfaces.
+    pub geometry: Geometry,
+    /// All materials; shapes hold indices.
+    pub materials: Vec<Material>,
+    /// All lights.
+    pub lights: LightTable,
+    /// The method that the scene's `<integrator>` asks for; `None` when there is none.
+    pub integrator: Option<Integrator>,
+    /// Things the user should know, one sentence each (for example a filter that was replaced).
+    pub notices: Vec<String>,
+}
+
+/// The scene's `<integrator>`: plugin name and plain parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Integrator {
+    /// Plugin name, for example `sppm` or `path`.
+    pub name: String,
+    /// Parameters as JSON values.
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+}
+
+/// What is collected while the tree is read.
+#[derive(Default)]
+struct Builder {
+    shapes: Vec<(Shape, ShapeGeometry)>,
+    /// Index of a shape and the radiance of the light on it.
+    area_lights: Vec<(usize, Rgb)>,
+    materials: Vec<Material>,
+    /// Materials by the address of their node, so that shared nodes become one material.
+    material_of_node: Vec<(*const Node, u32)>,
+    notices: Vec<String>,
+}
+
+impl Scene {
+    /// Checks a description and builds what methods need.
+    pub fn prepare(description: &SceneDescription) -> Result<Self, SceneError> {
+        let root = &description.root;
+        let mut fields = Fields::new(root);
+        let mut builder = Builder::default();
+        for node in fields.children(PluginClass::Shape) {
+            builder.add_shape(node, description)?;
+        }
+        // Materials that no shape uses are checked all the same.
+        for node in fields.children(PluginClass::Bsdf) {
+            builder.material(node)?;
+        }
+        let sensor = fields.child(PluginClass::Sensor).ok_or_else(|| {
+            SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
+        })?;
+        let (film, camera) = read_sensor(sensor, &mut builder.notices)?;
+        let integrator = fields.child(PluginClass::Integrator).map(|node| read_integrator(node)).transpose()?;
+        let emitters = fields.children(PluginClass::Emitter);
+        fields.finish()?;
+        if builder.shapes.is_empty() {
+            return Err(SceneError::new(&root.location, "the scene has no shapes", "add at least one <shape>"));
+        }
+        let Builder { shapes, area_lights, materials, notices, .. } = builder;
+        let (mut geometry, members) = Geometry::build(shapes);
+        let lights = light_table(&mut geometry, &members, &area_lights, &emitters, root)?;
+        Ok(Self {
+            width: film.width,
+            height: film.height,
+            camera,
+            geometry,
+            materials,
+            lights,
+            integrator,
+            notices,
+        })
+    }
+
+    /// How many pixels the picture has.
+    pub fn pixel_count(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The material of a shape.
+    #[inline]
+    pub fn material(&self, shape: Shape) -> &Material {
+        &self.materials[shape.material as usize]
+    }
+
+    /// What any of its materials can do; decides what has to run.
+    pub fn lobes(&self) -> Lobes {
+        self.materials.iter().map(Material::lobes).fold(Lobes::default(), |all, one| Lobes {
+            smooth: all.smooth || one.smooth,
+            specular: all.specular || one.specular,
+            transmissive: all.transmissive || one.transmissive,
+        })
+    }
+}
+
+impl Builder {
+    fn add_shape(&mut self, node: &Arc<Node>, description: &SceneDescription) -> Result<(), SceneError> {
+        let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
+            let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).collect();
+            let problem = format!("there is no shape \"{}\"", node.plugin);
+            return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
+        };
+        let mut fields = Fields::new(node);
+        let geometry = read(&mut fields, &description.bundle)?;
+        let material = match fields.child(PluginClass::Bsdf) {
+            Some(node) => self.material(node)?,
+            None => self.default_material(),
+        };
+        let emitter = fields.child(PluginClass::Emitter).map(|node| read_area_light(node)).transpose()?;
+        fields.finish()?;
+        self.check_extent(node, &geometry)?;
+        if let Some(radiance) = emitter.filter(|radiance| *radiance != Rgb::ZERO) {
+            self.area_lights.push((self.shapes.len(), radiance));
+        }
+        self.shapes.push((Shape { material, light: NO_LIGHT }, geometry));
+        Ok(())
+    }
+
+    /// A shape must have area, in numbers that single precision can hold.
+    fn check_extent(&mut self, node: &Node, geometry: &ShapeGeometry) -> Result<(), SceneError> {
+        let area: f64 = geometry.primitives.iter().map(|primitive| f64::from(primitive.area())).sum();
+        if !(area > 0.0 && area.is_finite()) {
+            let problem = format!("shape \"{}\" has an area of {area} m²", node.plugin);
+            return Err(SceneError::new(&node.location, problem, "check its size and its to_world"));
+        }
+        if geometry.degenerate > 0 {
+            self.notices.push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
+        }
+        Ok(())
+    }
+
+    fn material(&mut self, node: &Arc<Node>) -> Result<u32, SceneError> {
+        let address = Arc::as_ptr(node);
+        if let Some((_, index)) = self.material_of_node.iter().find(|(known, _)| *known == address) {
+            return Ok(*index);
+        }
+        self.materials.push(material::read(node)?);
+        let index = self.materials.len() as u32 - 1;
+        self.material_of_node.push((address, index));
+        Ok(index)
+    }
+
+    /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5.
+    fn default_material(&mut self) -> u32 {
+        self.materials.push(Material::default_grey());
+        self.materials.len() as u32 - 1
+    }
+}
+
+fn read_area_light(node: &Arc<Node>) -> Result<Rgb, SceneError> {
+    if node.plugin != "area" {
+        let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
+        return Err(SceneError::new(&node.location, problem, "only \"area\" stands in a shape; put others in the scene"));
+    }
+    let mut fields = Fields::new(node);
+    let radiance = read_radiance(&mut fields)?;
+    fields.finish()?;
+    Ok(radiance)
+}
+
+fn light_table(
+    geometry: &mut Geometry,
+    members: &[Vec<u32>],
+    area_lights: &[(usize, Rgb)],
+    emitters: &[&Arc<Node>],
+    root: &Node,
+) -> Result<LightTable, SceneError> {
+    let mut lights = Vec::new();
+    for (shape, radiance) in area_lights {
+        if let Some(light) = AreaLight::new(*radiance, members[*shape].clone(), geometry) {
+            geometry.set_light(*shape, lights.len() as u32);
+            lights.push(Light::AreaLight(light));
+        }
+    }
+    let (center, radius) = geometry.bounding_sphere();
+    let surroundings = Surroundings { center, radius };
+    for node in emitters {
+        let light = read_emitter(node, surroundings)?;
+        let second = matches!(light, Light::Constant(_)) && lights.iter().any(|l| matches!(l, Light::Constant(_)));
+        if second {
+            return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
+        }
+        lights.push(light);
+    }
+    LightTable::new(lights).ok_or_else(|| {
+        SceneError::new(&root.location, "nothing in the scene emits light", "add an emitter with a radiance above 0")
+    })
+}
+
+const EMITTERS: &[&str] = &["point", "spot", "directional", "constant"];
+
+fn read_emitter(node: &Node, surroundings: Surroundings) -> Result<Light, SceneError> {
+    let mut fields = Fields::new(node);
+    let light = match node.plugin.as_str() {
+        "point" => Light::Point(Point::read(&mut fields)?),
+        "spot" => Light::Spot(Spot::read(&mut fields)?),
+        "directional" => Light::Directional(Directional::read(&mut fields, surroundings)?),
+        "constant" => Light::Constant(Constant::new(read_radiance(&mut fields)?, surroundings)),
+        "area" => {
+            let problem = "emitter \"area\" stands outside a shape";
+            return Err(SceneError::new(&node.location, problem, "nest it in the shape that emits"));
+        }
+        other => {
+            let problem = format!("there is no emitter \"{other}\"");
+            return Err(SceneError::new(&node.location, problem, nearest_name(other, EMITTERS)));
+        }
+    };
+    fields.finish()?;
+    Ok(light)
+}
+
+fn read_sensor(node: &Node, notices: &mut Vec<String>) -> Result<(Film, Camera), SceneError> {
+    let mut fields = Fields::new(node);
+    let film = match fields.child(PluginClass::Film) {
+        Some(film) => film::read(film, notices)?,
+        None => Film::default(),
+    };
+    // Mitsuba's random number source: read and not used.
+    fields.child(PluginClass::Sampler);
+    let camera = camera::read(&mut fields, film.width, film.height)?;
+    fields.finish()?;
+    Ok((film, camera))
+}
+
+fn read_integrator(node: &Arc<Node>) -> Result<Integrator, SceneError> {
+    let mut parameters = serde_json::Map::new();
+    for parameter in &node.parameters {
+        let value = match &parameter.value {
+            Value::Integer(number) => (*number).into(),
+            Value::Float(number) => (*number).into(),
+            Value::Boolean(flag) => (*flag).into(),
+            Value::String(text) => text.as_str().into(),
+            other => {
+                let problem = format!("an integrator has no {} parameters", other.type_name());
+                return Err(SceneError::new(&parameter.location, problem, "give a number, a boolean or a string"));
+            }
+        };
+        parameters.insert(parameter.name.clone(), value);
+    }
+    Ok(Integrator { name: node.plugin.clone(), parameters })
+}
