@@ -4,4 +4,5 @@ pub mod bundle;
 pub mod description;
 pub mod error;
 pub mod fields;
+pub mod geometry;
 pub mod import;
