@@ -1,10 +1,25 @@
 //! The files of a scene: a folder on disk, or an archive in memory. No path leads out of either.
 
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::{Cursor, Read};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::error::{Location, SceneError};
+use zip::ZipArchive;
+
+use super::error::{Location, SceneError, closest_name};
+
+/// The largest single file that is read, in bytes.
+const FILE_LIMIT: u64 = 1 << 30;
+/// The most bytes that an archive may unpack to.
+const ARCHIVE_LIMIT: u64 = 2 << 30;
+/// How far an archive may expand: this many bytes, and [`EXPANSION_RATIO`] bytes more for every byte of the archive.
+const EXPANSION_ALLOWANCE: u64 = 64 << 20;
+/// See [`EXPANSION_ALLOWANCE`].
+const EXPANSION_RATIO: u64 = 200;
+/// The most files and folders in an archive.
+const ENTRY_LIMIT: usize = 10_000;
 
 /// Where a scene's relative file names are looked up.
 #[derive(Clone, Debug)]
@@ -13,4 +28,191 @@ pub enum Bundle {
     Folder(PathBuf),
     /// Files in memory, by their path with `/` separators.
     Archive(Arc<BTreeMap<String, Arc<[u8]>>>),
+}
+
+impl Bundle {
+    /// A bundle of no files: that of a scene which came as a single file.
+    pub fn empty() -> Self {
+        Self::Archive(Arc::default())
+    }
+
+    /// Unpacks a zip archive in memory. A single folder round everything is taken off. `archive` is the place that
+    /// errors name.
+    ///
+    /// # Errors
+    /// When the bytes are not a zip archive, when it expands beyond 2 GiB or suspiciously far, has more than 10 000
+    /// entries, is encrypted, or has entries that are links or whose names lead out of it.
+    pub fn from_zip(bytes: &[u8], archive: &Location) -> Result<Self, SceneError> {
+        let broken = |error: zip::result::ZipError| {
+            SceneError::new(archive, format!("the archive cannot be read: {error}"), "pack it again as a plain zip")
+        };
+        let mut zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+        if zip.len() > ENTRY_LIMIT {
+            let problem = format!("the archive has {} entries", zip.len());
+            return Err(SceneError::new(archive, problem, format!("pack at most {ENTRY_LIMIT}")));
+        }
+        if zip.has_duplicate_names() {
+            return Err(SceneError::new(archive, "two files of the archive have one name", "pack each file once"));
+        }
+        let mut files = BTreeMap::new();
+        let expansion = EXPANSION_ALLOWANCE.saturating_add(EXPANSION_RATIO.saturating_mul(bytes.len() as u64));
+        let mut budget = expansion.min(ARCHIVE_LIMIT);
+        for index in 0..zip.len() {
+            let mut entry = zip.by_index(index).map_err(broken)?;
+            let name = entry.name().map_err(broken)?.into_owned();
+            // macOS adds these beside the user's files.
+            if entry.is_dir() || name.starts_with("__MACOSX/") {
+                continue;
+            }
+            let name = checked_name(&name, archive)?;
+            if entry.is_symlink() {
+                let problem = format!("\"{name}\" in the archive is a link");
+                return Err(SceneError::new(archive, problem, "pack the file itself"));
+            }
+            files.insert(name.clone(), read_entry(&mut entry, &name, &mut budget, archive)?);
+        }
+        Ok(Self::Archive(Arc::new(without_common_folder(files))))
+    }
+
+    /// The bytes of file `name`, which is referred to at `location`.
+    ///
+    /// # Errors
+    /// When `name` is absolute or leads out of the bundle, also through a symbolic link; when there is no such file,
+    /// with the nearest name that there is; when it is larger than 1 GiB or cannot be read.
+    pub fn read(&self, name: &str, location: &Location) -> Result<Arc<[u8]>, SceneError> {
+        let name = checked_name(name, location)?;
+        match self {
+            Self::Archive(files) => files.get(&name).cloned().ok_or_else(|| self.missing(&name, location)),
+            Self::Folder(folder) => match folder.join(&name).canonicalize() {
+                Ok(path) => read_inside(folder, &path, &name, location),
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(self.missing(&name, location)),
+                Err(error) => Err(unreadable(&name, &error, location)),
+            },
+        }
+    }
+
+    /// The names of the bundle's files, sorted; of a folder on disk the first few thousand.
+    pub fn names(&self) -> BTreeSet<String> {
+        match self {
+            Self::Archive(files) => files.keys().cloned().collect(),
+            Self::Folder(folder) => {
+                let mut names = BTreeSet::new();
+                list_folder(folder, "", 0, &mut names);
+                names
+            }
+        }
+    }
+
+    fn missing(&self, name: &str, location: &Location) -> SceneError {
+        let names = self.names();
+        let base = |path: &str| path.rsplit('/').next().unwrap_or_default().to_lowercase();
+        let namesake = names.iter().map(String::as_str).find(|candidate| base(candidate) == base(name));
+        let remedy = match namesake.or_else(|| closest_name(name, names.iter().map(String::as_str))) {
+            Some(candidate) => format!("did you mean \"{candidate}\"?"),
+            None if names.is_empty() => "send the scene in a zip archive with every file it refers to".to_owned(),
+            None => "names are relative to the folder of the scene file".to_owned(),
+        };
+        SceneError::new(location, format!("there is no file \"{name}\""), remedy)
+    }
+}
+
+/// `name` with `/` separators and without `.` parts; refused when it is absolute or leads upwards.
+fn checked_name(name: &str, location: &Location) -> Result<String, SceneError> {
+    let refuse = |problem: &str, remedy: &str| {
+        let shown: String = name.chars().take(200).collect();
+        Err(SceneError::new(location, format!("file name {shown:?} {problem}"), remedy))
+    };
+    let drive = name.as_bytes().get(1) == Some(&b':') && name.as_bytes()[0].is_ascii_alphabetic();
+    if name.contains('\\') {
+        return refuse("has backslashes", "write \"/\" between folders");
+    }
+    if name.starts_with('/') || drive {
+        return refuse("is absolute", "give a name relative to the folder of the scene file");
+    }
+    if name.split('/').any(|part| part == "..") {
+        return refuse("leads upwards", "keep every file in or below the folder of the scene file");
+    }
+    let parts: Vec<&str> = name.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
+    if parts.is_empty() || name.contains('\0') {
+        return refuse("is not the name of a file", "give the name of a file");
+    }
+    Ok(parts.join("/"))
+}
+
+fn read_entry(
+    entry: &mut impl Read,
+    name: &str,
+    budget: &mut u64,
+    archive: &Location,
+) -> Result<Arc<[u8]>, SceneError> {
+    let mut content = Vec::new();
+    // The sizes in the archive's directory may lie: only what is really unpacked is counted.
+    let read = entry.take(*budget + 1).read_to_end(&mut content);
+    read.map_err(|error| unreadable(name, &error, archive))?;
+    let size = content.len() as u64;
+    if size > *budget {
+        let problem = format!("the archive expands too far (at \"{name}\")");
+        let remedy = "an archive may unpack to 2 GiB, and to 64 MiB plus 200 times its own size";
+        return Err(SceneError::new(archive, problem, remedy));
+    }
+    if size > FILE_LIMIT {
+        return Err(too_large(name, archive));
+    }
+    *budget -= size;
+    Ok(content.into())
+}
+
+/// Takes off the folder that holds every file of an archive, which many programs add when they pack a folder.
+fn without_common_folder(files: BTreeMap<String, Arc<[u8]>>) -> BTreeMap<String, Arc<[u8]>> {
+    let Some((folder, _)) = files.keys().next().and_then(|name| name.split_once('/')) else { return files };
+    let prefix = format!("{folder}/");
+    if !files.keys().all(|name| name.starts_with(&prefix)) {
+        return files;
+    }
+    files.into_iter().map(|(name, content)| (name[prefix.len()..].to_owned(), content)).collect()
+}
+
+fn read_inside(folder: &Path, path: &Path, name: &str, location: &Location) -> Result<Arc<[u8]>, SceneError> {
+    let folder = folder.canonicalize().map_err(|error| unreadable(name, &error, location))?;
+    if !path.starts_with(&folder) {
+        let problem = format!("file \"{name}\" is a link that leads out of the scene's folder");
+        return Err(SceneError::new(location, problem, "copy the file into the folder"));
+    }
+    read_file(path).map_err(|error| unreadable(name, &error, location))?.ok_or_else(|| too_large(name, location))
+}
+
+/// The bytes of a regular file; nothing when it is larger than 1 GiB.
+fn read_file(path: &Path) -> std::io::Result<Option<Arc<[u8]>>> {
+    // Asked before opening: opening a pipe would wait for a writer.
+    if !path.metadata()?.is_file() {
+        return Err(std::io::Error::other("not a regular file"));
+    }
+    let mut content = Vec::new();
+    File::open(path)?.take(FILE_LIMIT + 1).read_to_end(&mut content)?;
+    Ok((content.len() as u64 <= FILE_LIMIT).then(|| content.into()))
+}
+
+fn unreadable(name: &str, error: &std::io::Error, location: &Location) -> SceneError {
+    SceneError::new(location, format!("file \"{name}\" cannot be read: {error}"), "")
+}
+
+fn too_large(name: &str, location: &Location) -> SceneError {
+    SceneError::new(location, format!("file \"{name}\" is larger than 1 GiB"), "split or simplify it")
+}
+
+/// Adds the files in and below `folder`; bounded, since it only serves the search for a similar name.
+fn list_folder(folder: &Path, prefix: &str, depth: usize, names: &mut BTreeSet<String>) {
+    let Ok(entries) = folder.read_dir() else { return };
+    for entry in entries.flatten() {
+        let (Ok(kind), Ok(file_name)) = (entry.file_type(), entry.file_name().into_string()) else { continue };
+        if names.len() >= 4096 {
+            return;
+        }
+        let name = format!("{prefix}{file_name}");
+        if kind.is_dir() && depth < 8 {
+            list_folder(&entry.path(), &format!("{name}/"), depth + 1, names);
+        } else if !kind.is_dir() {
+            names.insert(name);
+        }
+    }
 }

@@ -51,14 +51,27 @@ impl SceneError {
 
 /// The known name closest to `name`, as a remedy: `did you mean "…"?`, or the list of known names when none is close.
 pub fn nearest_name(name: &str, known: &[&str]) -> String {
-    let closest = known.iter().map(|candidate| (edit_distance(name, candidate), *candidate)).min();
-    match closest {
-        Some((distance, candidate)) if distance <= 1 + name.len().max(candidate.len()) / 3 => {
-            format!("did you mean \"{candidate}\"?")
-        }
-        Some(_) => format!("known names: {}", known.join(", ")),
-        None => "nothing is expected here".to_owned(),
+    const LISTED: usize = 20;
+    match closest_name(name, known.iter().copied()) {
+        Some(candidate) => format!("did you mean \"{candidate}\"?"),
+        None if known.is_empty() => "nothing is expected here".to_owned(),
+        None if known.len() <= LISTED => format!("known names: {}", known.join(", ")),
+        None => format!("known names: {}, … ({} in all)", known[..LISTED].join(", "), known.len()),
     }
+}
+
+/// The candidate that `name` is most likely a misspelling of, if any is close.
+///
+/// Compares with at most 4096 candidates, and long names with none, so that a hostile scene cannot make the message of
+/// its error expensive.
+pub fn closest_name<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    const LONGEST: usize = 256;
+    if name.len() > LONGEST {
+        return None;
+    }
+    let short_enough = candidates.into_iter().take(4096).filter(|candidate| candidate.len() <= LONGEST);
+    let (distance, candidate) = short_enough.map(|candidate| (edit_distance(name, candidate), candidate)).min()?;
+    (distance <= 1 + name.len().max(candidate.len()) / 3).then_some(candidate)
 }
 
 /// Levenshtein distance in characters.

@@ -1,1 +1,169 @@
 //! One file per format, all into the same description.
+//!
+//! A format's reader makes [`draft`] nodes: plugins as they stand in the file, with references by id. [`resolve`] turns
+//! the drafts of every format into the description tree. [`values`] and [`transform`] hold what the formats' values
+//! mean, [`plugins`] the names of all plugins, and [`pack`](mod@pack) makes the bytes that travel over HTTP.
+
+mod draft;
+mod json_text;
+mod mitsuba_json;
+mod mitsuba_xml;
+mod pack;
+mod plugins;
+mod resolve;
+mod substitution;
+mod transform;
+mod values;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::bundle::Bundle;
+use super::description::SceneDescription;
+use super::error::{Location, SceneError};
+use draft::Draft;
+
+pub use pack::pack;
+
+/// How deep plugins and values may nest, and how long a chain of references may be.
+const DEPTH_LIMIT: usize = 64;
+
+/// Reads the scene file (XML, JSON, or a zip archive with one of them) at `path`.
+///
+/// `defines` are names and values that take the place of the scene's `<default>` parameters. Files that the scene
+/// refers to are looked up in the folder that holds it.
+///
+/// # Errors
+/// Whatever is wrong with the scene's syntax, structure, references and included files; a define that nothing uses.
+pub fn load_file(path: &Path, defines: &[(String, String)]) -> Result<SceneDescription, SceneError> {
+    read_source(path)?.import(defines).map(|imported| imported.description)
+}
+
+/// Reads a scene from memory: XML or JSON that stands alone, or a zip archive.
+///
+/// An archive's scene file is `scene.xml` or `scene.json` at its top level, or else the only `.xml` or `.json` file
+/// there. `name` is what errors call the file. See [`load_file`] for `defines`.
+///
+/// # Errors
+/// As [`load_file`]; also when the archive is malformed or its scene file is missing or ambiguous.
+pub fn load_bytes(name: &str, bytes: &[u8], defines: &[(String, String)]) -> Result<SceneDescription, SceneError> {
+    Source::from_bytes(name, bytes.into())?.import(defines).map(|imported| imported.description)
+}
+
+/// The formats of a scene file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Xml,
+    Json,
+    Zip,
+}
+
+/// A scene file that was found and read, but not yet looked into.
+struct Source {
+    name: String,
+    text: Arc<[u8]>,
+    bundle: Bundle,
+}
+
+/// What importing a scene gives: the description, and the names of the files that were included on the way.
+struct Imported {
+    description: SceneDescription,
+    files: Vec<(String, Location)>,
+}
+
+impl Source {
+    fn from_bytes(name: &str, bytes: Arc<[u8]>) -> Result<Self, SceneError> {
+        let location = Location { file: name.to_owned(), ..Location::default() };
+        if format(&bytes, &location)? != Format::Zip {
+            return Ok(Self { name: name.to_owned(), text: bytes, bundle: Bundle::empty() });
+        }
+        let bundle = Bundle::from_zip(&bytes, &location)?;
+        let scene = scene_file(bundle.names().iter().map(String::as_str))
+            .map_err(|problem| SceneError::new(&location, problem, "name the scene file scene.xml or scene.json"))?;
+        let text = bundle.read(&scene, &location)?;
+        Ok(Self { name: scene, text, bundle })
+    }
+
+    fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
+        let location = Location { file: self.name.clone(), ..Location::default() };
+        let (root, aliases, includes) = match format(&self.text, &location)? {
+            Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
+            Format::Json => (mitsuba_json::read(&self.text, &location, defines)?, Vec::new(), Vec::new()),
+            Format::Zip => {
+                return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
+            }
+        };
+        let mut files = includes;
+        collect_file_names(&root, &mut files);
+        let root = resolve::resolve(&root, &aliases)?;
+        Ok(Imported { description: SceneDescription { root, bundle: self.bundle.clone() }, files })
+    }
+}
+
+fn read_source(path: &Path) -> Result<Source, SceneError> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let location = Location { file: path.display().to_string(), ..Location::default() };
+    if !path.is_file() {
+        let problem = if path.exists() { "this is not a file" } else { "there is no such file" };
+        return Err(SceneError::new(&location, problem, "give the name of a scene file"));
+    }
+    let bytes: Arc<[u8]> = std::fs::read(path)
+        .map_err(|error| SceneError::new(&location, format!("the file cannot be read: {error}"), ""))?
+        .into();
+    if format(&bytes, &location)? == Format::Zip {
+        return Source::from_bytes(&name, bytes);
+    }
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    Ok(Source { name, text: bytes, bundle: Bundle::Folder(folder.to_owned()) })
+}
+
+/// Tells the format by how the file begins.
+fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
+    if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
+        return Ok(Format::Zip);
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match text.trim_ascii_start().first() {
+        Some(b'<') => Ok(Format::Xml),
+        Some(b'{') => Ok(Format::Json),
+        None => Err(SceneError::new(location, "the scene file is empty", "give a Mitsuba 3 scene")),
+        Some(_) if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") => {
+            Err(SceneError::new(location, "the scene file is UTF-16 text", "save it as UTF-8"))
+        }
+        Some(_) => {
+            let remedy = "give a Mitsuba 3 scene as XML, as a JSON dictionary, or as a zip archive with one of them";
+            Err(SceneError::new(location, "this is neither XML, JSON nor a zip archive", remedy))
+        }
+    }
+}
+
+/// The scene file among the names in an archive, or why there is none.
+fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
+    let top: Vec<&str> = names.filter(|name| !name.contains('/')).collect();
+    let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
+    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json"));
+    let preferred: Vec<&str> = top.iter().copied().filter(|name| ["scene.xml", "scene.json"].contains(name)).collect();
+    let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
+    match candidates.as_slice() {
+        [scene] => Ok((*scene).to_owned()),
+        [] => Err("the archive has no .xml or .json file at its top level".to_owned()),
+        several => Err(format!("the archive has several scene files at its top level: {}", several[..2].join(", "))),
+    }
+}
+
+/// Every string parameter called `filename`, with its place.
+fn collect_file_names(draft: &Draft, files: &mut Vec<(String, Location)>) {
+    for parameter in &draft.parameters {
+        if let (super::description::Value::String(name), "filename") = (&parameter.value, parameter.name.as_str()) {
+            files.push((name.clone(), parameter.location.clone()));
+        }
+    }
+    for child in &draft.children {
+        if let draft::Target::Plugin(plugin) = &child.target {
+            collect_file_names(plugin, files);
+        }
+    }
+}

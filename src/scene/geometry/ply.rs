@@ -1,0 +1,123 @@
+//! Stanford PLY meshes: ASCII, and binary of either byte order.
+//!
+//! Of the vertices x, y, z, nx, ny, nz and u, v (or s, t) are read, of the faces their vertex indices; all other
+//! elements and properties are passed over. Normals and texture coordinates count when all of their components are there.
+
+mod body;
+mod header;
+
+use super::super::error::{Location, SceneError};
+use super::triangle_mesh::TriangleMesh;
+use body::Body;
+use header::{Element, Property};
+
+/// Reads the mesh of a PLY file. `location` names the mesh file and the shape that it belongs to.
+///
+/// # Errors
+/// With the line or byte: on a header that cannot be read, a file that ends before its header's counts are met, indices
+/// out of range, and coordinates that are not finite. Also when there is no face.
+pub fn read(bytes: &[u8], location: &Location) -> Result<TriangleMesh, SceneError> {
+    let header = header::read(bytes, location)?;
+    let mut body = Body::new(bytes, &header, location);
+    let mut mesh = TriangleMesh::default();
+    for element in &header.elements {
+        match element.name.as_str() {
+            "vertex" => read_vertices(&mut body, element, &mut mesh)?,
+            "face" => read_faces(&mut body, element, &mut mesh)?,
+            _ => skip(&mut body, element)?,
+        }
+    }
+    if mesh.triangles.is_empty() {
+        return Err(SceneError::new(location, "the mesh has no faces", "export it with its faces"));
+    }
+    let count = mesh.positions.len();
+    if let Some(index) = mesh.triangles.iter().flatten().find(|index| **index as usize >= count) {
+        let problem = format!("a face refers to vertex {index}, but there are {count} vertices, counted from 0");
+        return Err(SceneError::new(location, problem, "repair the mesh"));
+    }
+    Ok(mesh)
+}
+
+/// What each scalar property of a vertex is: a component of x y z, nx ny nz, u v; or 8 for nothing that is read.
+const COMPONENTS: [&str; 8] = ["x", "y", "z", "nx", "ny", "nz", "u", "v"];
+
+fn component(name: &str) -> usize {
+    let name = match name {
+        "s" | "texture_u" => "u",
+        "t" | "texture_v" => "v",
+        other => other,
+    };
+    COMPONENTS.iter().position(|known| *known == name).unwrap_or(COMPONENTS.len())
+}
+
+fn read_vertices(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh) -> Result<(), SceneError> {
+    let slots: Vec<usize> = element.properties.iter().map(|property| component(property.name())).collect();
+    let has = |range: std::ops::Range<usize>| range.clone().all(|wanted| slots.contains(&wanted));
+    let (normals, coordinates) = (has(3..6), has(6..8));
+    if !has(0..3) {
+        return Err(body.error("the vertices lack x, y or z", "export the mesh again"));
+    }
+    let count = body.checked_count(element)?;
+    mesh.positions.reserve_exact(count);
+    mesh.normals.reserve_exact(if normals { count } else { 0 });
+    mesh.texture_coordinates.reserve_exact(if coordinates { count } else { 0 });
+    for index in 0..count {
+        let mut values = [0.0_f32; COMPONENTS.len() + 1];
+        for (property, slot) in element.properties.iter().zip(&slots) {
+            match property {
+                Property::Scalar { kind, .. } => values[*slot] = body.scalar(*kind)? as f32,
+                Property::List { count, item, .. } => body.skip_list(*count, *item)?,
+            }
+        }
+        if let Some(component) = (0..COMPONENTS.len()).find(|component| !values[*component].is_finite()) {
+            let problem = format!("{} of vertex {index} is not finite", COMPONENTS[component]);
+            return Err(body.error(&problem, "repair the mesh"));
+        }
+        let [x, y, z, nx, ny, nz, u, v, _] = values;
+        mesh.positions.push([x, y, z]);
+        mesh.normals.extend(normals.then_some([nx, ny, nz]));
+        mesh.texture_coordinates.extend(coordinates.then_some([u, v]));
+    }
+    Ok(())
+}
+
+fn read_faces(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh) -> Result<(), SceneError> {
+    let is_indices = |property: &Property| {
+        matches!(property, Property::List { .. }) && ["vertex_indices", "vertex_index"].contains(&property.name())
+    };
+    let Some(indices) = element.properties.iter().position(is_indices) else {
+        return Err(body.error("the faces have no list \"vertex_indices\"", "export the mesh again"));
+    };
+    let count = body.checked_count(element)?;
+    mesh.triangles.reserve(count);
+    let mut corners = Vec::new();
+    for face in 0..count {
+        for (position, property) in element.properties.iter().enumerate() {
+            match property {
+                Property::Scalar { kind, .. } => drop(body.scalar(*kind)?),
+                Property::List { count, item, .. } if position == indices => {
+                    body.indices(*count, *item, &mut corners)?;
+                }
+                Property::List { count, item, .. } => body.skip_list(*count, *item)?,
+            }
+        }
+        if corners.len() < 3 {
+            let problem = format!("face {face} has {} corners", corners.len());
+            return Err(body.error(&problem, "a face needs at least three"));
+        }
+        mesh.push_polygon(&corners);
+    }
+    Ok(())
+}
+
+fn skip(body: &mut Body<'_>, element: &Element) -> Result<(), SceneError> {
+    for _ in 0..body.checked_count(element)? {
+        for property in &element.properties {
+            match property {
+                Property::Scalar { kind, .. } => drop(body.scalar(*kind)?),
+                Property::List { count, item, .. } => body.skip_list(*count, *item)?,
+            }
+        }
+    }
+    Ok(())
+}
