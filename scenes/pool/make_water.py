@@ -14,12 +14,12 @@ HALF = 1.6  # half the side of the sheet, in scene units; the basin is 1.5, so t
 CELLS = 60  # along one side
 # Each wave: direction in degrees, wavelength, amplitude, phase. Together they focus sunlight about one basin deep.
 WAVES = [
-    (12, 0.83, 0.0085, 0.4),
-    (71, 0.62, 0.0052, 2.1),
-    (118, 0.71, 0.0060, 4.4),
-    (161, 0.47, 0.0027, 1.3),
-    (38, 0.39, 0.0018, 5.2),
-    (95, 0.53, 0.0030, 3.7),
+    (12, 0.83, 0.0170, 0.4),
+    (71, 0.62, 0.0104, 2.1),
+    (118, 0.71, 0.0120, 4.4),
+    (161, 0.47, 0.0054, 1.3),
+    (38, 0.39, 0.0036, 5.2),
+    (95, 0.53, 0.0060, 3.7),
 ]
 
 
