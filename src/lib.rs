@@ -22,3 +22,4 @@ pub mod math;
 pub mod method;
 pub mod render;
 pub mod scene;
+pub mod transport;

@@ -1,8 +1,68 @@
-//! Methods: algorithms that turn a prepared scene into estimates. One self-contained file per method and one table.
+//! Methods: algorithms that turn a prepared scene into estimates. One self-contained file per method and one row in
+//! [`METHODS`].
+
+pub mod parameters;
+pub mod photon_pass;
+pub mod ppm;
+pub mod sppm;
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::RadiusRule;
+use crate::estimate::{PixelTally, RadiusRule, Region};
+use crate::scene::Scene;
+use crate::scene::error::nearest_name;
+use crate::transport::Counters;
+
+pub use parameters::ParameterHelp;
+
+/// One method of the table.
+pub struct MethodEntry {
+    /// The name that users write.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// Paths that it cannot sample, in one line.
+    pub cannot_sample: &'static str,
+    /// Where it was published.
+    pub reference: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [ParameterHelp],
+    /// Checks parameters for a picture of so many pixels and writes every default out.
+    check: fn(&MethodChoice, u64) -> Result<CheckedMethod, MethodError>,
+    /// Prepares the method for a scene.
+    prepare: fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>,
+}
+
+/// All methods; the first is the default.
+pub const METHODS: &[MethodEntry] = &[sppm::ENTRY, ppm::ENTRY];
+
+/// A method prepared for one scene, with its parameters and the job's seed. Every function is pure.
+pub trait PreparedMethod: Send + Sync {
+    /// Adds pass `pass` to `pixels` (the region's, in row order); `None` when `cancel` was set meanwhile, and then `pixels`
+    /// are of no use. Runs on the calling rayon pool.
+    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters>;
+
+    /// Finds the first radius² of every pixel of the picture, m², and counts what a pass costs; `None` when cancelled.
+    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)>;
+}
+
+/// One pass of a region.
+#[derive(Clone, Copy, Debug)]
+pub struct Pass<'a> {
+    /// Index of the pass in the job.
+    pub index: u32,
+    /// The pixels.
+    pub region: Region,
+    /// R² of the region's pixels in its radius field, m².
+    pub radius_squared: &'a [f32],
+    /// ρ: this pass gathers with ρ·R² and divides flux and counts by ρ.
+    pub scale: f32,
+    /// Typical R² of this pass over the whole picture, m².
+    pub typical_radius_squared: f32,
+}
 
 /// A method by name, with the parameters that the user set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,8 +114,24 @@ pub enum MethodError {
     },
 }
 
+/// The table.
+pub fn table() -> &'static [MethodEntry] {
+    METHODS
+}
+
+fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
+    METHODS.iter().find(|entry| entry.name == name).ok_or_else(|| {
+        let known: Vec<&str> = METHODS.iter().map(|entry| entry.name).collect();
+        MethodError::Unknown { name: name.to_owned(), remedy: nearest_name(name, &known) }
+    })
+}
+
 /// Checks a choice against the table. `pixels` is the picture's size, from which `photons_per_pass: auto` follows.
 pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let _ = (choice, pixels);
-    todo!("lands with the methods")
+    (entry(&choice.name)?.check)(choice, pixels)
+}
+
+/// Prepares a checked method for a scene.
+pub fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    (entry(&method.choice.name)?.prepare)(scene, method, seed)
 }

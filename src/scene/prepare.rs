@@ -83,16 +83,7 @@ impl Scene {
         let Builder { shapes, area_lights, materials, notices, .. } = builder;
         let (mut geometry, members) = Geometry::build(shapes);
         let lights = light_table(&mut geometry, &members, &area_lights, &emitters, root)?;
-        Ok(Self {
-            width: film.width,
-            height: film.height,
-            camera,
-            geometry,
-            materials,
-            lights,
-            integrator,
-            notices,
-        })
+        Ok(Self { width: film.width, height: film.height, camera, geometry, materials, lights, integrator, notices })
     }
 
     /// How many pixels the picture has.
@@ -147,7 +138,8 @@ impl Builder {
             return Err(SceneError::new(&node.location, problem, "check its size and its to_world"));
         }
         if geometry.degenerate > 0 {
-            self.notices.push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
+            self.notices
+                .push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
         }
         Ok(())
     }
@@ -173,7 +165,11 @@ impl Builder {
 fn read_area_light(node: &Arc<Node>) -> Result<Rgb, SceneError> {
     if node.plugin != "area" {
         let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
-        return Err(SceneError::new(&node.location, problem, "only \"area\" stands in a shape; put others in the scene"));
+        return Err(SceneError::new(
+            &node.location,
+            problem,
+            "only \"area\" stands in a shape; put others in the scene",
+        ));
     }
     let mut fields = Fields::new(node);
     let radiance = read_radiance(&mut fields)?;

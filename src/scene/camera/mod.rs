@@ -93,7 +93,11 @@ fn half_extent(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<Vec2,
     let aspect = f64::from(width) / f64::from(height);
     let Some(fov) = fields.float("fov")? else { return focal_length(fields, aspect) };
     if !(fov > 0.0 && fov < 180.0) {
-        return Err(fields.error("fov", format!("\"fov\" is {fov} degrees"), "give an angle between 0 and 180 degrees"));
+        return Err(fields.error(
+            "fov",
+            format!("\"fov\" is {fov} degrees"),
+            "give an angle between 0 and 180 degrees",
+        ));
     }
     if fields.has("focal_length") {
         return Err(fields.error("fov", "a sensor has both \"fov\" and \"focal_length\"", "give one of them"));

@@ -43,8 +43,7 @@ pub fn read_cube(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
         *corner = to_single(to_world.point(DVec3::new(sign(0), sign(1), sign(2))), fields)?;
     }
     // Each face counter-clockwise from outside; bit 0 is x, bit 1 is y, bit 2 is z.
-    const FACES: [[usize; 4]; 6] =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    const FACES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
     let mirrored = axes[0].cross(axes[1]).dot(axes[2]) < 0.0;
     let triangles = FACES.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).map(|[a, b, c]| {

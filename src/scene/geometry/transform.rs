@@ -65,5 +65,9 @@ pub fn to_single(point: DVec3, fields: &Fields<'_>) -> Result<Vec3, SceneError> 
     if single.is_finite() {
         return Ok(single);
     }
-    Err(SceneError::new(fields.location(), "the shape lies outside the range of single precision", "scale the scene down"))
+    Err(SceneError::new(
+        fields.location(),
+        "the shape lies outside the range of single precision",
+        "scale the scene down",
+    ))
 }

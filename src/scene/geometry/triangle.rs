@@ -22,8 +22,7 @@ impl Triangle {
             let relative = (vertex - ray.origin).to_array();
             [relative[x] - shear_x * relative[z], relative[y] - shear_y * relative[z], relative[z]]
         });
-        let mut edges =
-            [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
+        let mut edges = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
         if edges.contains(&0.0) {
             edges = edges_in_double_precision(a, b, c);
         }
@@ -76,8 +75,7 @@ impl Triangle {
 /// The edge functions where single precision gave zero: products of two `f32` are exact in `f64`.
 #[cold]
 fn edges_in_double_precision(a: [f32; 3], b: [f32; 3], c: [f32; 3]) -> [f32; 3] {
-    let edge = |p: [f32; 3], q: [f32; 3]| {
-        (f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0])) as f32
-    };
+    let edge =
+        |p: [f32; 3], q: [f32; 3]| (f64::from(p[0]) * f64::from(q[1]) - f64::from(p[1]) * f64::from(q[0])) as f32;
     [edge(c, b), edge(a, c), edge(b, a)]
 }

@@ -35,8 +35,12 @@ impl Diffuse {
     pub fn sample(&self, outgoing: Vec3, _mode: TransportMode, u: [f32; 3]) -> Option<MaterialSample> {
         let direction = warp::cosine_hemisphere([u[0], u[1]]);
         let pdf = warp::cosine_hemisphere_pdf(direction.z);
-        (outgoing.z > 0.0 && pdf > 0.0)
-            .then_some(MaterialSample { direction, weight: self.reflectance, pdf, relative_index: 1.0 })
+        (outgoing.z > 0.0 && pdf > 0.0).then_some(MaterialSample {
+            direction,
+            weight: self.reflectance,
+            pdf,
+            relative_index: 1.0,
+        })
     }
 
     /// reflectance/π above the surface.

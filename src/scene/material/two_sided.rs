@@ -37,7 +37,11 @@ impl TwoSided {
         let back = nodes[1].map_or_else(|| Ok(front.clone()), |node| super::read(node))?;
         if front.lobes().transmissive || back.lobes().transmissive {
             let problem = "\"twosided\" holds a bsdf that lets light through";
-            return Err(SceneError::new(fields.location(), problem, "use that bsdf without twosided: it has both sides"));
+            return Err(SceneError::new(
+                fields.location(),
+                problem,
+                "use that bsdf without twosided: it has both sides",
+            ));
         }
         Ok(Self { front: Box::new(front), back: Box::new(back) })
     }

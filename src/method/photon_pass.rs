@@ -1,0 +1,154 @@
+//! What `sppm` and `ppm` share: the photons of a pass, the gather, and the pilot.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::parameters::{Auto, DirectLight, ProgressiveParameters};
+use super::{CheckedMethod, MethodError, Pass};
+use crate::estimate::PixelTally;
+use crate::math::random::Stream;
+use crate::math::{Rgb, Vec3};
+use crate::scene::Scene;
+use crate::scene::material::Material;
+use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
+use crate::transport::photon_map::{GatherQuery, Grid, PhotonMap, trace};
+use crate::transport::photon_tracing::PhotonSettings;
+use crate::transport::{Counters, Limits};
+
+/// The pass index of the pilot, which has streams of its own.
+pub const PILOT_PASS: u32 = 0;
+
+/// A scene and the parameters of a progressive method, ready to trace.
+pub struct PhotonPasses {
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Job seed.
+    pub seed: u64,
+    /// Limits on path length.
+    pub limits: Limits,
+    /// How direct light is found.
+    pub direct: DirectLight,
+    /// Photons per pass.
+    pub photons_per_pass: u32,
+    /// First radius.
+    pub first_radius: Auto<f32>,
+}
+
+impl PhotonPasses {
+    /// From a checked choice.
+    pub fn new(
+        scene: Arc<Scene>,
+        method: &CheckedMethod,
+        parameters: &ProgressiveParameters,
+        seed: u64,
+    ) -> Result<Self, MethodError> {
+        Ok(Self {
+            scene,
+            seed,
+            limits: parameters.limits(),
+            direct: parameters.direct,
+            photons_per_pass: method.photons_per_pass,
+            first_radius: parameters.first_radius().unwrap_or_default(),
+        })
+    }
+
+    /// Traces the photons of pass `pass` and sorts them into cells of the size of a typical gather disc.
+    pub fn photon_map(
+        &self,
+        stream: Stream,
+        pass: u32,
+        typical_radius_squared: f32,
+        cancel: &AtomicBool,
+    ) -> Option<(PhotonMap, Counters)> {
+        let settings = PhotonSettings {
+            limits: self.limits,
+            first_stored_segment: match self.direct {
+                DirectLight::Sample => 2,
+                DirectLight::Photons => 1,
+            },
+            seed: self.seed,
+            stream,
+            pass,
+        };
+        let (low, high) = self.scene.geometry.bounds();
+        let cell = 2.0 * typical_radius_squared.sqrt();
+        let grid = Grid::new(low, high, cell, 4 * u64::from(self.photons_per_pass).max(1 << 14));
+        let (chunks, counters) = trace(&self.scene, &settings, self.photons_per_pass, &grid, cancel)?;
+        Some((PhotonMap::build(&chunks, grid), counters))
+    }
+
+    /// Segments that a photon may have when the camera path took `camera_segments`; 255 is no limit.
+    pub fn most_photon_segments(&self, camera_segments: u32) -> u32 {
+        self.limits.max_depth.map_or(255, |limit| limit.saturating_sub(camera_segments))
+    }
+
+    /// Where the search for first radii starts.
+    pub fn radius_bounds(&self, photons: usize) -> RadiusBounds {
+        RadiusBounds::new(self.scene.geometry.bounding_sphere().1, photons)
+    }
+
+    /// A photon map for the pilot, with cells of the size that the search starts with.
+    pub fn pilot_map(&self, cancel: &AtomicBool) -> Option<(PhotonMap, Counters)> {
+        // Two or three photons are stored per emitted one in a closed room.
+        let bounds = self.radius_bounds(2 * self.photons_per_pass as usize);
+        self.photon_map(Stream::PilotPhoton, PILOT_PASS, bounds.guess, cancel)
+    }
+
+    /// R² for pixels that see nothing to gather at, m².
+    pub fn fallback_radius_squared(&self) -> f32 {
+        self.radius_bounds(self.photons_per_pass as usize).guess.max(f32::MIN_POSITIVE * FIRST_GATHER_PHOTONS)
+    }
+}
+
+/// A surface point as the gather needs it.
+pub struct GatherSurface<'a> {
+    /// Position, m.
+    pub position: Vec3,
+    /// True normal on the side that is looked at.
+    pub facing_normal: Vec3,
+    /// The material.
+    pub material: &'a Material,
+    /// Local direction towards the camera.
+    pub outgoing: Vec3,
+    /// Local frame, for materials that look at each photon.
+    pub frame: crate::math::Frame,
+}
+
+/// Reflected flux Φ/T = Σ f_r·α and the photon count M at a surface point.
+#[inline]
+pub fn gather(map: &PhotonMap, surface: &GatherSurface<'_>, radius_squared: f32, most_segments: u32) -> (Rgb, f32) {
+    let query =
+        GatherQuery { position: surface.position, normal: surface.facing_normal, radius_squared, most_segments };
+    if let Some(value) = surface.material.constant_value(surface.outgoing) {
+        let gathered = map.gather(&query);
+        return (gathered.flux * value, gathered.photons);
+    }
+    let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
+    map.visit(&query, |photon| {
+        let incident = surface.frame.to_local(crate::math::octahedral::decode(photon.direction));
+        flux += surface.material.evaluate(surface.outgoing, incident) * Rgb::from_array(photon.flux);
+        photons += 1.0;
+    });
+    (flux, photons)
+}
+
+/// Adds one pass's sums of a pixel; what is not finite is dropped and counted.
+#[inline]
+pub fn add_to_tally(
+    pixel: &mut PixelTally,
+    pass: &Pass<'_>,
+    radiance: Rgb,
+    flux: Rgb,
+    photons: f32,
+    counters: &mut Counters,
+) {
+    let inverse_scale = 1.0 / pass.scale;
+    for (sum, value, factor) in [(&mut pixel.radiance, radiance, 1.0), (&mut pixel.flux, flux, inverse_scale)] {
+        if value.is_finite() {
+            *sum = (Rgb::from_array(*sum) + value * factor).to_array();
+        } else {
+            counters.non_finite += 1;
+        }
+    }
+    pixel.photons += photons * inverse_scale;
+}

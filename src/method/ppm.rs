@@ -1,0 +1,332 @@
+//! `ppm`: progressive photon mapping. Camera paths are traced once, several per pixel, to the surfaces where photons will
+//! be gathered; these hit points stay for the whole job and every pass emits new photons. Mirrors and glass are followed
+//! in all directions while a path is short, so that no chance is left in what the camera sees.
+//!
+//! Reference: [HOJ08] Hachisuka, Ogaki & Jensen 2008, "Progressive photon mapping". The hit points of a pixel share its
+//! radius and count, as the region of a pixel does in `sppm`.
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | R² | `pass.radius_squared` × `pass.scale` | m² |
+//! | M, Φ | mean over the pixel's camera paths of `PixelTally::photons`, `PixelTally::flux` (over `pass.scale`) | –, W·sr⁻¹ |
+//! | T | `HitPoint::throughput` | – |
+//!
+//! Limits: `samples_per_pixel` camera paths are all there ever are, so edges, lenses and the shares of light behind many
+//! layers of glass keep the error of so few samples; `sppm` has no such floor. A hit point takes 40 bytes.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::parameters::{self, Auto, DirectLight, HELP, ParameterHelp};
+use super::photon_pass::{GatherSurface, PhotonPasses, add_to_tally, gather};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
+use crate::estimate::{PixelTally, Region};
+use crate::math::octahedral;
+use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::{Frame, Rgb, Vec2, Vec3};
+use crate::scene::Scene;
+use crate::scene::geometry::ray::{largest, position_error};
+use crate::scene::geometry::surface::{Interaction, NO_LIGHT, Shape};
+use crate::scene::material::TransportMode;
+use crate::transport::Counters;
+use crate::transport::camera_walk::{CameraVertex, CameraWalk, GatherPoint};
+use crate::transport::direct_light::direct_light;
+use crate::transport::first_radius::{fill_gaps, first_radius_squared};
+use crate::transport::photon_map::PhotonMap;
+use crate::transport::shading;
+
+const NAME: &str = "ppm";
+const PARAMETERS: &[ParameterHelp] = HELP;
+/// Specular surfaces up to this many segments are followed in all their directions, later ones in one at random.
+const SPLIT_SEGMENTS: u32 = 4;
+/// The pass index that addresses the random numbers of hit points.
+const HIT_POINT_PASS: u32 = u32::MAX;
+
+/// The row of the table.
+pub const ENTRY: MethodEntry = MethodEntry {
+    name: NAME,
+    summary: "progressive photon mapping: hit points fixed for the whole job, photons anew every pass",
+    cannot_sample: "more camera paths than samples_per_pixel: edges and lenses stay as noisy as those leave them",
+    reference: "Hachisuka, Ogaki & Jensen 2008",
+    parameters: PARAMETERS,
+    check,
+    prepare,
+};
+
+fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+    Ok(parameters::read(NAME, &choice.parameters, PARAMETERS)?.checked(NAME, PARAMETERS, pixels))
+}
+
+fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    let parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
+    let (low, high) = scene.geometry.bounds();
+    Ok(Box::new(Ppm {
+        samples_per_pixel: parameters.samples_per_pixel,
+        error: position_error(largest(low).max(largest(high))),
+        passes: PhotonPasses::new(scene, method, &parameters, seed)?,
+        cache: Mutex::new(HashMap::new()),
+    }))
+}
+
+struct Ppm {
+    passes: PhotonPasses,
+    samples_per_pixel: u32,
+    /// Bound on the rounding error of any position in the scene, m.
+    error: f32,
+    /// Hit points per region, made when first needed.
+    cache: Mutex<HashMap<Region, Arc<HitPoints>>>,
+}
+
+/// Where a camera path meets a surface with a smooth lobe.
+#[derive(Clone, Copy, Debug)]
+struct HitPoint {
+    position: Vec3,
+    /// Octahedral codes: true normal, shading normal, direction towards the camera.
+    directions: [u32; 3],
+    throughput: Rgb,
+    /// Material, and segments from the camera in the top byte.
+    material_and_segments: u32,
+}
+
+/// The hit points of a region, and the emission that its pixels see.
+#[derive(Default)]
+struct HitPoints {
+    points: Vec<HitPoint>,
+    /// Index of the first point of each pixel, and the count last.
+    first: Vec<u32>,
+    /// Emission seen directly or through specular surfaces, mean over the pixel's paths.
+    seen: Vec<[f32; 3]>,
+    /// Rays that made them.
+    rays: u64,
+}
+
+const MATERIAL_BITS: u32 = 24;
+
+impl HitPoint {
+    fn new(point: &GatherPoint) -> Self {
+        let hit = &point.hit;
+        let directions = [hit.geometric_normal, hit.frame.normal, hit.outgoing].map(octahedral::encode);
+        Self {
+            position: hit.position,
+            directions,
+            throughput: point.throughput,
+            material_and_segments: hit.shape.material | point.segments.min(255) << MATERIAL_BITS,
+        }
+    }
+
+    fn segments(&self) -> u32 {
+        self.material_and_segments >> MATERIAL_BITS
+    }
+
+    fn gather_point(&self, error: f32) -> GatherPoint {
+        let [geometric_normal, shading_normal, outgoing] = self.directions.map(octahedral::decode);
+        let material = self.material_and_segments & ((1 << MATERIAL_BITS) - 1);
+        // Codes of equal normals are equal: flat surfaces stay flat.
+        let flat = self.directions[0] == self.directions[1];
+        let hit = Interaction {
+            position: self.position,
+            geometric_normal,
+            frame: Frame::from_normal(if flat { geometric_normal } else { shading_normal }),
+            outgoing,
+            distance: 0.0,
+            shape: Shape { material, light: NO_LIGHT },
+            primitive: 0,
+            error,
+        };
+        GatherPoint { hit, throughput: self.throughput, segments: self.segments(), path_length: 0.0 }
+    }
+}
+
+impl Ppm {
+    /// The hit points of a region, from the cache or traced now.
+    fn hit_points(&self, region: Region, cancel: &AtomicBool) -> Option<Arc<HitPoints>> {
+        let cache = || self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = cache().get(&region) {
+            return Some(known.clone());
+        }
+        let rows: Vec<HitPoints> = (region.row_start..region.row_end)
+            .into_par_iter()
+            .map(|row| if cancel.load(Ordering::Relaxed) { HitPoints::default() } else { self.trace_row(row) })
+            .collect();
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        let mut all = HitPoints::default();
+        for row in rows {
+            let before = all.points.len() as u32;
+            all.first.extend(row.first.iter().map(|first| first + before));
+            all.points.extend(row.points);
+            all.seen.extend(row.seen);
+            all.rays += row.rays;
+        }
+        all.first.push(all.points.len() as u32);
+        all.points.shrink_to_fit();
+        let all = Arc::new(all);
+        cache().insert(region, all.clone());
+        Some(all)
+    }
+
+    fn trace_row(&self, row: u32) -> HitPoints {
+        let width = self.passes.scene.width;
+        let mut points = HitPoints::default();
+        let mut counters = Counters::default();
+        for column in 0..width {
+            points.first.push(points.points.len() as u32);
+            let mut seen = Rgb::ZERO;
+            for sample in 0..self.samples_per_pixel {
+                self.trace_tree([column, row], sample, &mut seen, &mut points.points, &mut counters);
+            }
+            points.seen.push((seen / self.samples_per_pixel as f32).to_array());
+        }
+        points.rays = counters.rays;
+        points
+    }
+
+    /// One camera path with all its specular branches.
+    fn trace_tree(
+        &self,
+        [column, row]: [u32; 2],
+        sample: u32,
+        seen: &mut Rgb,
+        points: &mut Vec<HitPoint>,
+        counters: &mut Counters,
+    ) {
+        let scene = &*self.passes.scene;
+        let path = (row * scene.width + column).wrapping_mul(self.samples_per_pixel).wrapping_add(sample);
+        let random = PathRandom::new(self.passes.seed, Stream::Camera, HIT_POINT_PASS, path);
+        let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
+        let picture = Vec2::new((column as f32 + x) / scene.width as f32, (row as f32 + y) / scene.height as f32);
+        let mut waiting = vec![CameraWalk::new(scene.camera.ray(picture, [lens_x, lens_y]))];
+        while let Some(mut walk) = waiting.pop() {
+            match walk.advance(scene, &self.passes.limits, seen, counters) {
+                CameraVertex::End => {}
+                CameraVertex::Gather(point) => points.push(HitPoint::new(&point)),
+                CameraVertex::Specular(hit) if walk.segments <= SPLIT_SEGMENTS => {
+                    waiting.extend(self.all_directions(&walk, &hit));
+                }
+                CameraVertex::Specular(hit) => waiting.extend(self.one_direction(walk, &hit, &random)),
+            }
+        }
+    }
+
+    fn all_directions(&self, walk: &CameraWalk, hit: &Interaction) -> impl Iterator<Item = CameraWalk> {
+        let outgoing = hit.frame.to_local(hit.outgoing);
+        let lobes = self.passes.scene.material(hit.shape).specular_lobes(outgoing, TransportMode::Radiance);
+        let (walk, hit) = (*walk, *hit);
+        lobes.into_iter().flatten().filter_map(move |sample| {
+            let scattering = shading::finish(&hit, outgoing, sample, TransportMode::Radiance)?;
+            let mut branch = walk;
+            branch.follow(&hit, &scattering);
+            Some(branch)
+        })
+    }
+
+    fn one_direction(&self, mut walk: CameraWalk, hit: &Interaction, random: &PathRandom) -> Option<CameraWalk> {
+        let u = random.block(dimension::scattering(walk.segments));
+        let material = self.passes.scene.material(hit.shape);
+        let scattering = shading::scatter(hit, material, TransportMode::Radiance, [u[0], u[1], u[2]])?;
+        walk.follow(hit, &scattering);
+        walk.survives(&self.passes.limits, u[3]).then_some(walk)
+    }
+
+    /// One pixel of one pass: sums over its hit points.
+    fn trace_pixel(
+        &self,
+        pass: &Pass<'_>,
+        map: &PhotonMap,
+        points: &[HitPoint],
+        (first_point, radius_squared): (usize, f32),
+        counters: &mut Counters,
+    ) -> (Rgb, Rgb, f32) {
+        let scene = &*self.passes.scene;
+        let (mut radiance, mut flux, mut photons) = (Rgb::ZERO, Rgb::ZERO, 0.0);
+        for (index, hit_point) in points.iter().enumerate() {
+            let point = hit_point.gather_point(self.error);
+            if self.passes.direct == DirectLight::Sample && self.passes.limits.allows(point.segments + 1) {
+                let path = (first_point + index) as u32;
+                let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, path);
+                radiance += point.throughput * direct_light(scene, &point, &random, counters);
+            }
+            let surface = GatherSurface {
+                position: point.hit.position,
+                facing_normal: point.facing_normal(),
+                material: scene.material(point.hit.shape),
+                outgoing: point.hit.frame.to_local(point.hit.outgoing),
+                frame: point.hit.frame,
+            };
+            let most_segments = self.passes.most_photon_segments(point.segments);
+            let found = gather(map, &surface, radius_squared * pass.scale, most_segments);
+            flux += point.throughput * found.0;
+            photons += found.1;
+        }
+        let share = 1.0 / self.samples_per_pixel as f32;
+        (radiance * share, flux * share, photons * share)
+    }
+}
+
+impl PreparedMethod for Ppm {
+    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
+        let hit_points = self.hit_points(pass.region, cancel)?;
+        let (map, mut total) =
+            self.passes.photon_map(Stream::Photon, pass.index, pass.typical_radius_squared, cancel)?;
+        let width = self.passes.scene.width as usize;
+        // Random numbers are addressed by the hit point's place in its row, which no region changes.
+        let rows = pixels.par_chunks_mut(width).enumerate();
+        let counters: Vec<Counters> = rows
+            .map(|(row, tallies)| {
+                let mut counters = Counters::default();
+                if cancel.load(Ordering::Relaxed) {
+                    return counters;
+                }
+                for (column, tally) in tallies.iter_mut().enumerate() {
+                    let pixel = row * width + column;
+                    let range = hit_points.first[pixel] as usize..hit_points.first[pixel + 1] as usize;
+                    let picture_pixel = pass.region.row_start as usize * width + pixel;
+                    let address = picture_pixel.wrapping_mul(MOST_POINTS_PER_PIXEL);
+                    let radius = pass.radius_squared[pixel];
+                    let points = &hit_points.points[range];
+                    let (radiance, flux, photons) =
+                        self.trace_pixel(pass, &map, points, (address, radius), &mut counters);
+                    let radiance = radiance + Rgb::from_array(hit_points.seen[pixel]);
+                    add_to_tally(tally, pass, radiance, flux, photons, &mut counters);
+                }
+                counters
+            })
+            .collect();
+        counters.into_iter().for_each(|counters| total += counters);
+        (!cancel.load(Ordering::Relaxed)).then_some(total)
+    }
+
+    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+        let (map, mut total) = self.passes.pilot_map(cancel)?;
+        let scene = &*self.passes.scene;
+        let region = Region { row_start: 0, row_end: scene.height };
+        let hit_points = self.hit_points(region, cancel)?;
+        let bounds = self.passes.radius_bounds(map.len());
+        let mut radii: Vec<Option<f32>> = (0..scene.pixel_count())
+            .into_par_iter()
+            .with_min_len(1024)
+            .map(|pixel| {
+                let range = hit_points.first[pixel] as usize..hit_points.first[pixel + 1] as usize;
+                let point = hit_points.points.get(range)?.first()?.gather_point(self.error);
+                // The straight distance stands for the path's: hit points do not keep it.
+                let distance = scene.camera.position().distance(point.hit.position);
+                let footprint = scene.camera.pixel_footprint(distance, scene.width);
+                Some(first_radius_squared(&map, &point, footprint, &bounds))
+            })
+            .collect();
+        total.rays += 2 * hit_points.points.len() as u64;
+        let filled = match self.passes.first_radius {
+            Auto::Auto => fill_gaps(&mut radii, scene.width as usize, self.passes.fallback_radius_squared()),
+            Auto::Value(radius) => vec![radius * radius; scene.pixel_count()],
+        };
+        (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
+    }
+}
+
+/// Spaces the random number addresses of pixels apart; a pixel with more hit points shares some with its neighbour, which
+/// is harmless: no estimate compares them.
+const MOST_POINTS_PER_PIXEL: usize = 256;

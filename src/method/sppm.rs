@@ -1,0 +1,163 @@
+//! `sppm`: stochastic progressive photon mapping. Every pass traces one new camera path per pixel to the first surface
+//! with a smooth lobe, emits photons, and gathers them there in a disc whose radius shrinks from pass to pass. All points that
+//! a pixel sees share its statistics, so glossy surfaces, lenses and anti-aliasing converge too.
+//!
+//! References: [HJ09] Hachisuka & Jensen 2009, "Stochastic progressive photon mapping"; [KZ11] Knaus & Zwicker 2011,
+//! "Progressive photon mapping: a probabilistic approach".
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | R² | `pass.radius_squared` × `pass.scale` | m² |
+//! | M, Φ | `PixelTally::photons`, `PixelTally::flux` (both over `pass.scale`) | –, W·sr⁻¹ |
+//! | T | `GatherPoint::throughput` | – |
+//! | α_p | photon flux, `Le·cos/pdf` | W |
+//!
+//! Limits: a bias that falls with the radius (corners and edges last); glossy surfaces seen in glossy surfaces need many
+//! passes.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::parameters::{self, Auto, DirectLight, HELP, ParameterHelp};
+use super::photon_pass::{GatherSurface, PILOT_PASS, PhotonPasses, add_to_tally, gather};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
+use crate::estimate::PixelTally;
+use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::{Rgb, Vec2};
+use crate::scene::Scene;
+use crate::transport::Counters;
+use crate::transport::camera_walk::{CameraWalk, GatherPoint, walk_to_gather_point};
+use crate::transport::direct_light::direct_light;
+use crate::transport::first_radius::{fill_gaps, first_radius_squared};
+use crate::transport::photon_map::PhotonMap;
+
+const NAME: &str = "sppm";
+const PARAMETERS: &[ParameterHelp] = HELP.split_at(HELP.len() - 1).0;
+
+/// The row of the table.
+pub const ENTRY: MethodEntry = MethodEntry {
+    name: NAME,
+    summary: "stochastic progressive photon mapping: new camera paths every pass, shared pixel statistics",
+    cannot_sample: "nothing; every path with a surface that is not a mirror or glass is found",
+    reference: "Hachisuka & Jensen 2009; Knaus & Zwicker 2011",
+    parameters: PARAMETERS,
+    check,
+    prepare,
+};
+
+fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+    Ok(parameters::read(NAME, &choice.parameters, PARAMETERS)?.checked(NAME, PARAMETERS, pixels))
+}
+
+fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    let parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
+    Ok(Box::new(Sppm { passes: PhotonPasses::new(scene, method, &parameters, seed)? }))
+}
+
+struct Sppm {
+    passes: PhotonPasses,
+}
+
+impl Sppm {
+    /// The path of a pixel in a pass: radiance seen on the way, and where to gather.
+    #[inline]
+    fn camera_path(&self, random: &PathRandom, pixel: usize, counters: &mut Counters) -> (Rgb, Option<GatherPoint>) {
+        let scene = &*self.passes.scene;
+        let width = scene.width as usize;
+        let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
+        let picture = Vec2::new(
+            ((pixel % width) as f32 + x) / scene.width as f32,
+            ((pixel / width) as f32 + y) / scene.height as f32,
+        );
+        let walk = CameraWalk::new(scene.camera.ray(picture, [lens_x, lens_y]));
+        let mut radiance = Rgb::ZERO;
+        let point = walk_to_gather_point(scene, walk, random, &self.passes.limits, &mut radiance, counters);
+        (radiance, point)
+    }
+
+    /// One pixel of one pass.
+    #[inline]
+    fn trace_pixel(
+        &self,
+        pass: &Pass<'_>,
+        map: &PhotonMap,
+        pixel: usize,
+        radius_squared: f32,
+        tally: &mut PixelTally,
+        counters: &mut Counters,
+    ) {
+        let scene = &*self.passes.scene;
+        let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, pixel as u32);
+        let (mut radiance, point) = self.camera_path(&random, pixel, counters);
+        let Some(point) = point else { return add_to_tally(tally, pass, radiance, Rgb::ZERO, 0.0, counters) };
+        if self.passes.direct == DirectLight::Sample && self.passes.limits.allows(point.segments + 1) {
+            radiance += point.throughput * direct_light(scene, &point, &random, counters);
+        }
+        let surface = GatherSurface {
+            position: point.hit.position,
+            facing_normal: point.facing_normal(),
+            material: scene.material(point.hit.shape),
+            outgoing: point.hit.frame.to_local(point.hit.outgoing),
+            frame: point.hit.frame,
+        };
+        let most_segments = self.passes.most_photon_segments(point.segments);
+        let (flux, photons) = gather(map, &surface, radius_squared * pass.scale, most_segments);
+        add_to_tally(tally, pass, radiance, point.throughput * flux, photons, counters);
+    }
+}
+
+impl PreparedMethod for Sppm {
+    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
+        let (map, mut total) =
+            self.passes.photon_map(Stream::Photon, pass.index, pass.typical_radius_squared, cancel)?;
+        let width = self.passes.scene.width as usize;
+        let first_pixel = pass.region.row_start as usize * width;
+        let rows = pixels.par_chunks_mut(width).zip(pass.radius_squared.par_chunks(width)).enumerate();
+        let counters: Vec<Counters> = rows
+            .map(|(row, (tallies, radii))| {
+                let mut counters = Counters::default();
+                if cancel.load(Ordering::Relaxed) {
+                    return counters;
+                }
+                for (column, (tally, radius)) in tallies.iter_mut().zip(radii).enumerate() {
+                    let pixel = first_pixel + row * width + column;
+                    self.trace_pixel(pass, &map, pixel, *radius, tally, &mut counters);
+                }
+                counters
+            })
+            .collect();
+        counters.into_iter().for_each(|counters| total += counters);
+        (!cancel.load(Ordering::Relaxed)).then_some(total)
+    }
+
+    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+        let (map, mut total) = self.passes.pilot_map(cancel)?;
+        let scene = &*self.passes.scene;
+        let bounds = self.passes.radius_bounds(map.len());
+        let found: Vec<(Option<f32>, Counters)> = (0..scene.pixel_count())
+            .into_par_iter()
+            .with_min_len(1024)
+            .map(|pixel| {
+                let mut counters = Counters::default();
+                let random = PathRandom::new(self.passes.seed, Stream::PilotCamera, PILOT_PASS, pixel as u32);
+                let point = self.camera_path(&random, pixel, &mut counters).1;
+                // Direct light will cost its rays too.
+                counters.rays += 2 * u64::from(point.is_some());
+                let radius = point.map(|point| {
+                    let footprint = scene.camera.pixel_footprint(point.path_length, scene.width);
+                    first_radius_squared(&map, &point, footprint, &bounds)
+                });
+                (radius, counters)
+            })
+            .collect();
+        found.iter().for_each(|(_, counters)| total += *counters);
+        let mut radii: Vec<Option<f32>> = found.into_iter().map(|(radius, _)| radius).collect();
+        let filled = match self.passes.first_radius {
+            Auto::Auto => fill_gaps(&mut radii, scene.width as usize, self.passes.fallback_radius_squared()),
+            Auto::Value(radius) => vec![radius * radius; scene.pixel_count()],
+        };
+        (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
+    }
+}

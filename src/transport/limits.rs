@@ -1,0 +1,36 @@
+//! How long paths may get.
+
+/// Limits on path length. Segments are counted as in Mitsuba: emission that the camera sees has 1, direct light 2.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// The longest path from light to camera, in segments; `None` is unlimited. At most [`Limits::LONGEST`].
+    pub max_depth: Option<u32>,
+    /// From how many segments on Russian roulette may end a path.
+    pub rr_depth: u32,
+}
+
+/// After so many segments roulette always has a chance to end a path, even one that lost nothing: light can be trapped
+/// in glass for ever.
+const SURE_SEGMENTS: u32 = 32;
+const LONGEST_SURVIVAL: f32 = 0.95;
+
+impl Limits {
+    /// The largest finite `max_depth`; a photon keeps its segment count in one byte.
+    pub const LONGEST: u32 = 254;
+
+    /// Whether a path of `segments` is within the limit.
+    #[inline]
+    pub fn allows(&self, segments: u32) -> bool {
+        self.max_depth.is_none_or(|limit| segments <= limit)
+    }
+
+    /// The probability with which a path of `segments` goes on when it keeps the share `kept` of what it started with.
+    #[inline]
+    pub fn survival(&self, segments: u32, kept: f32) -> f32 {
+        if segments < self.rr_depth {
+            return 1.0;
+        }
+        let most = if segments < SURE_SEGMENTS { 1.0 } else { LONGEST_SURVIVAL };
+        kept.min(most)
+    }
+}

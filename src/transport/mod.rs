@@ -1,0 +1,15 @@
+//! How light and importance travel: walks, direct light, the photon map and density estimates.
+//!
+//! Knows nothing of jobs, workers or HTTP. Everything here is a pure function of the scene and of addressed random numbers.
+
+pub mod camera_walk;
+pub mod counters;
+pub mod direct_light;
+pub mod first_radius;
+pub mod limits;
+pub mod photon_map;
+pub mod photon_tracing;
+pub mod shading;
+
+pub use counters::Counters;
+pub use limits::Limits;

@@ -1,0 +1,173 @@
+//! Tracing and sorting a pass's photons in parallel, in an order that does not depend on the threads.
+//!
+//! Paths are traced in chunks; each chunk sorts its photons into 256 buckets of consecutive cells. Then every bucket
+//! collects its photons from the chunks in order and counting-sorts them by cell. Both sorts are stable, so photons of a
+//! cell stand in path order.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::photon::{Photon, PhotonColumns, PhotonColumnsMut};
+use super::{Grid, PhotonMap};
+use crate::math::Vec3;
+use crate::scene::Scene;
+use crate::transport::counters::Counters;
+use crate::transport::photon_tracing::{PhotonSettings, trace_photon};
+
+const BUCKETS: usize = 256;
+/// Paths per chunk: enough work to hide scheduling, few enough to keep a chunk in the cache.
+const PATHS_PER_CHUNK: u32 = 2048;
+
+/// The photons of a chunk of paths, sorted by bucket.
+pub struct PhotonChunk {
+    photons: Vec<Photon>,
+    /// Index of the first photon of each bucket, and the count last.
+    bucket_start: Vec<u32>,
+}
+
+/// Cells per bucket, as a power of two.
+fn bucket_shift(grid: &Grid) -> u32 {
+    let per_bucket = grid.cell_count().div_ceil(BUCKETS).next_power_of_two();
+    per_bucket.trailing_zeros()
+}
+
+fn cell_of(grid: &Grid, photon: &Photon) -> usize {
+    grid.cell(grid.coordinates(Vec3::from_array(photon.position)))
+}
+
+/// Emits `count` photons and traces them; `None` when `cancel` was set meanwhile.
+pub fn trace(
+    scene: &Scene,
+    settings: &PhotonSettings,
+    count: u32,
+    grid: &Grid,
+    cancel: &AtomicBool,
+) -> Option<(Vec<PhotonChunk>, Counters)> {
+    let chunks = count.div_ceil(PATHS_PER_CHUNK);
+    let traced: Option<Vec<(PhotonChunk, Counters)>> = (0..chunks)
+        .into_par_iter()
+        .map(|chunk| {
+            if cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            let first = chunk * PATHS_PER_CHUNK;
+            let mut counters = Counters::default();
+            let mut photons = Vec::with_capacity(4 * PATHS_PER_CHUNK as usize);
+            for path in first..count.min(first + PATHS_PER_CHUNK) {
+                trace_photon(scene, settings, path, &mut photons, &mut counters);
+            }
+            counters.non_finite += drop_non_finite(&mut photons);
+            counters.photons_stored += photons.len() as u64;
+            Some((PhotonChunk::sort(&photons, grid), counters))
+        })
+        .collect();
+    let mut total = Counters::default();
+    let chunks = traced?
+        .into_iter()
+        .map(|(chunk, counters)| {
+            total += counters;
+            chunk
+        })
+        .collect();
+    Some((chunks, total))
+}
+
+fn drop_non_finite(photons: &mut Vec<Photon>) -> u64 {
+    let before = photons.len();
+    photons.retain(|photon| photon.flux.iter().chain(&photon.position).all(|value| value.is_finite()));
+    (before - photons.len()) as u64
+}
+
+impl PhotonChunk {
+    /// Sorts photons by bucket.
+    pub fn sort(photons: &[Photon], grid: &Grid) -> Self {
+        let shift = bucket_shift(grid);
+        let buckets: Vec<u8> = photons.iter().map(|photon| (cell_of(grid, photon) >> shift) as u8).collect();
+        let mut bucket_start = vec![0u32; BUCKETS + 1];
+        for bucket in &buckets {
+            bucket_start[*bucket as usize + 1] += 1;
+        }
+        for bucket in 0..BUCKETS {
+            bucket_start[bucket + 1] += bucket_start[bucket];
+        }
+        let mut next = bucket_start.clone();
+        let mut sorted = vec![Photon::default(); photons.len()];
+        for (photon, bucket) in photons.iter().zip(&buckets) {
+            let slot = &mut next[*bucket as usize];
+            sorted[*slot as usize] = *photon;
+            *slot += 1;
+        }
+        Self { photons: sorted, bucket_start }
+    }
+
+    fn bucket(&self, bucket: usize) -> &[Photon] {
+        &self.photons[self.bucket_start[bucket] as usize..self.bucket_start[bucket + 1] as usize]
+    }
+}
+
+/// One bucket of the sorted map, to be filled by one thread.
+struct Bucket<'a> {
+    index: usize,
+    /// Index of the bucket's first photon in the map.
+    first_photon: u32,
+    cell_start: &'a mut [u32],
+    photons: PhotonColumnsMut<'a>,
+}
+
+impl PhotonMap {
+    /// Sorts chunks of photons into a map.
+    pub fn build(chunks: &[PhotonChunk], grid: Grid) -> Self {
+        let shift = bucket_shift(&grid);
+        let count = chunks.iter().map(|chunk| chunk.photons.len()).sum();
+        let mut cell_start = vec![0u32; grid.cell_count() + 1];
+        let mut photons = PhotonColumns::zeroed(count);
+        split_buckets(chunks, shift, &mut cell_start, photons.as_mut())
+            .into_par_iter()
+            .for_each(|bucket| bucket.fill(chunks, &grid, shift));
+        cell_start[grid.cell_count()] = count as u32;
+        Self { grid, cell_start, photons }
+    }
+}
+
+fn split_buckets<'a>(
+    chunks: &[PhotonChunk],
+    shift: u32,
+    mut cells: &'a mut [u32],
+    mut columns: PhotonColumnsMut<'a>,
+) -> Vec<Bucket<'a>> {
+    let mut buckets = Vec::with_capacity(BUCKETS);
+    let mut first_photon = 0;
+    for index in 0..BUCKETS {
+        let count: usize = chunks.iter().map(|chunk| chunk.bucket(index).len()).sum();
+        let (cell_start, rest) = cells.split_at_mut(cells.len().min(1 << shift));
+        cells = rest;
+        let (photons, rest) = columns.split(count);
+        columns = rest;
+        buckets.push(Bucket { index, first_photon, cell_start, photons });
+        first_photon += count as u32;
+    }
+    buckets
+}
+
+impl Bucket<'_> {
+    /// Counting sort by cell.
+    fn fill(mut self, chunks: &[PhotonChunk], grid: &Grid, shift: u32) {
+        let first_cell = self.index << shift;
+        let photons = || chunks.iter().flat_map(|chunk| chunk.bucket(self.index));
+        let mut next = vec![0u32; self.cell_start.len() + 1];
+        let cells: Vec<u32> = photons().map(|photon| (cell_of(grid, photon) - first_cell) as u32).collect();
+        for cell in &cells {
+            next[*cell as usize + 1] += 1;
+        }
+        for cell in 0..self.cell_start.len() {
+            next[cell + 1] += next[cell];
+            self.cell_start[cell] = self.first_photon + next[cell];
+        }
+        for (photon, cell) in photons().zip(&cells) {
+            let slot = &mut next[*cell as usize];
+            self.photons.set(*slot as usize, photon);
+            *slot += 1;
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! A photon, as a record while it is traced and as columns once it is sorted. 32 bytes either way.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::math::{Rgb, Vec3};
+
+/// A stored photon.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Photon {
+    /// Position, m.
+    pub position: [f32; 3],
+    /// Octahedral code of the direction it came from.
+    pub direction: u32,
+    /// The surface's normal on the side of arrival, three signed bytes of 1/127, and the segment count in the top byte.
+    pub normal_and_segments: u32,
+    /// Un-normalised flux, W.
+    pub flux: [f32; 3],
+}
+
+impl Photon {
+    /// Packs a photon. Segment counts above 255 are kept as 255: limits are below that.
+    #[inline]
+    pub fn new(position: Vec3, direction: u32, normal: Vec3, flux: Rgb, segments: u32) -> Self {
+        // Adding and subtracting 1.5·2²³ rounds to the nearest whole number.
+        const ROUND: f32 = 12_582_912.0;
+        let byte = |value: f32| ((value * 127.0 + ROUND) - ROUND) as i32 as u32 & 0xff;
+        let normal = byte(normal.x) | byte(normal.y) << 8 | byte(normal.z) << 16;
+        Self {
+            position: position.to_array(),
+            direction,
+            normal_and_segments: normal | segments.min(255) << 24,
+            flux: flux.to_array(),
+        }
+    }
+}
+
+/// How many entries every column has behind its last photon, so that whole groups of lanes can be read.
+const PADDING: usize = 8;
+
+/// Sorted photons, one column per component.
+#[derive(Clone, Debug, Default)]
+pub struct PhotonColumns {
+    /// x, y, z, m.
+    pub position: [Vec<f32>; 3],
+    /// See [`Photon::normal_and_segments`].
+    pub normal_and_segments: Vec<u32>,
+    /// Red, green, blue, W.
+    pub flux: [Vec<f32>; 3],
+    /// See [`Photon::direction`].
+    pub direction: Vec<u32>,
+}
+
+/// A run of every column, to be filled by one thread.
+pub struct PhotonColumnsMut<'a> {
+    position: [&'a mut [f32]; 3],
+    normal_and_segments: &'a mut [u32],
+    flux: [&'a mut [f32]; 3],
+    direction: &'a mut [u32],
+}
+
+impl PhotonColumns {
+    /// Columns of zeros for `count` photons.
+    pub fn zeroed(count: usize) -> Self {
+        let floats = || vec![0.0; count + PADDING];
+        let words = || vec![0; count + PADDING];
+        Self {
+            position: [floats(), floats(), floats()],
+            normal_and_segments: words(),
+            flux: [floats(), floats(), floats()],
+            direction: words(),
+        }
+    }
+
+    /// All columns from the first to the last photon.
+    pub fn as_mut(&mut self) -> PhotonColumnsMut<'_> {
+        let Self { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction } = self;
+        PhotonColumnsMut { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction }
+    }
+}
+
+impl<'a> PhotonColumnsMut<'a> {
+    /// The first `count` entries, and the rest.
+    pub fn split(self, count: usize) -> (Self, Self) {
+        let [x, y, z] = self.position.map(|column| column.split_at_mut(count));
+        let [red, green, blue] = self.flux.map(|column| column.split_at_mut(count));
+        let normals = self.normal_and_segments.split_at_mut(count);
+        let directions = self.direction.split_at_mut(count);
+        let first = Self {
+            position: [x.0, y.0, z.0],
+            normal_and_segments: normals.0,
+            flux: [red.0, green.0, blue.0],
+            direction: directions.0,
+        };
+        let rest = PhotonColumnsMut {
+            position: [x.1, y.1, z.1],
+            normal_and_segments: normals.1,
+            flux: [red.1, green.1, blue.1],
+            direction: directions.1,
+        };
+        (first, rest)
+    }
+
+    /// Writes a photon.
+    #[inline]
+    pub fn set(&mut self, index: usize, photon: &Photon) {
+        for axis in 0..3 {
+            self.position[axis][index] = photon.position[axis];
+            self.flux[axis][index] = photon.flux[axis];
+        }
+        self.normal_and_segments[index] = photon.normal_and_segments;
+        self.direction[index] = photon.direction;
+    }
+}

@@ -1,0 +1,86 @@
+//! Photon paths: from a light through the scene, stored wherever a surface has a smooth lobe.
+
+use crate::math::octahedral;
+use crate::math::random::{PathRandom, Stream, dimension};
+use crate::scene::Scene;
+use crate::scene::geometry::{Interaction, Ray};
+use crate::scene::material::TransportMode;
+
+use super::counters::Counters;
+use super::limits::Limits;
+use super::photon_map::Photon;
+use super::shading;
+
+/// Which photons of a pass are traced and stored.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonSettings {
+    /// Limits on the whole path; a photon leaves at least one segment to the camera.
+    pub limits: Limits,
+    /// Photons with fewer segments are not stored: 2 leaves direct light to sampling, 1 stores all.
+    pub first_stored_segment: u32,
+    /// Job seed.
+    pub seed: u64,
+    /// Family of random numbers.
+    pub stream: Stream,
+    /// Pass index.
+    pub pass: u32,
+}
+
+/// Traces photon path `path` and appends what it stores to `photons`.
+#[inline]
+pub fn trace_photon(
+    scene: &Scene,
+    settings: &PhotonSettings,
+    path: u32,
+    photons: &mut Vec<Photon>,
+    counters: &mut Counters,
+) {
+    let random = PathRandom::new(settings.seed, settings.stream, settings.pass, path);
+    counters.photons_emitted += 1;
+    let place = random.block(dimension::EMISSION);
+    let direction = random.block(dimension::EMISSION_DIRECTION);
+    let emitted = scene.lights.emit(&scene.geometry, [place[0], place[1], place[2]], [direction[0], direction[1]]);
+    let Some(emitted) = emitted else { return };
+    let mut ray = Ray::new(emitted.origin, emitted.direction);
+    let mut flux = emitted.flux;
+    let emitted_peak = flux.max_element();
+    if !(emitted_peak > 0.0 && emitted_peak.is_finite()) {
+        counters.non_finite += u64::from(!emitted_peak.is_finite());
+        return;
+    }
+    for segments in 1u32.. {
+        if !settings.limits.allows(segments + 1) {
+            return;
+        }
+        counters.rays += 1;
+        let Some(hit) = scene.geometry.intersect(&ray) else { return };
+        let material = scene.material(hit.shape);
+        if segments >= settings.first_stored_segment && material.lobes().smooth {
+            photons.extend(stored(&hit, flux, segments));
+        }
+        let u = random.block(dimension::scattering(segments));
+        let scattering = shading::scatter(&hit, material, TransportMode::Flux, [u[0], u[1], u[2]]);
+        let Some(scattering) = scattering else { return };
+        flux *= scattering.weight;
+        let survival = settings.limits.survival(segments, flux.max_element() / emitted_peak);
+        if u[3] >= survival {
+            return;
+        }
+        flux /= survival;
+        ray = hit.ray_to(scattering.direction);
+    }
+}
+
+/// The photon as it is kept. A density estimate measures flux per true area while the material weighs it by the shading
+/// normal's cosine, hence the factor `|ω·Ns|/|ω·Ng|`, 1 on flat surfaces.
+#[inline]
+fn stored(hit: &Interaction, flux: crate::math::Rgb, segments: u32) -> Option<Photon> {
+    let cosine = hit.outgoing.dot(hit.geometric_normal);
+    let facing = if cosine < 0.0 { -hit.geometric_normal } else { hit.geometric_normal };
+    let shading_cosine = hit.outgoing.dot(hit.frame.normal);
+    if shading_cosine * cosine <= 0.0 {
+        return None;
+    }
+    let flux = flux * (shading_cosine / cosine);
+    Some(Photon::new(hit.position, octahedral::encode(hit.outgoing), facing, flux, segments))
+}
