@@ -1,3 +1,15 @@
 //! One picture on many machines: jobs, schedule, coordinator, workers, wire.
-
+pub mod coordinator;
+pub mod error;
 pub mod job;
+pub mod lease;
+pub mod plan;
+pub mod progress;
+pub mod roster;
+pub mod schedule;
+pub mod server;
+pub mod wire;
+pub mod worker;
+
+pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Layers, SceneSummary};
+pub use error::FarmError;

@@ -1,0 +1,213 @@
+//! How a job's passes are cut into shards and epochs.
+//!
+//! A plan is a pure function of the picture's size, the pilot's counted cost and the stop rule's passes: never of workers or
+//! time. It is what makes a job's picture the same bits on any farm.
+//!
+//! ```text
+//! epoch 0                              epoch 1
+//! region 0: s s s … (16)  region 1: …  region 0: s s s … (16)  region 1: …        s = passes_in_shard(epoch) passes
+//! ```
+//!
+//! Shards start with one pass and double every epoch until one costs about a second. So a first picture comes soon,
+//! the radii, which shrink fastest in the first passes, are refreshed then too, and the cut does not depend on how many
+//! passes will be made: a job that is stopped after n passes has traced the shards of a job of n passes.
+
+use serde::{Deserialize, Serialize};
+
+use crate::estimate::{RadiusRule, Region, Shard};
+
+/// Pixels of a region; a worker holds one tally and one radius field of this size.
+const REGION_PIXELS: u64 = 4 << 20;
+/// What a full-grown shard costs, nominal microseconds of one core.
+const SHARD_COST: u64 = 1_000_000;
+/// Shards of one region in an epoch.
+const SHARDS_PER_EPOCH: u32 = 16;
+/// How many epochs a radius field may be behind.
+const EPOCH_LAG: u32 = 1;
+/// Passes when no stop rule names them; pass indices are 32-bit.
+const PASSES_LIMIT: u32 = 1 << 31;
+
+/// The cut of a job.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Plan {
+    /// Picture width, pixels.
+    pub width: u32,
+    /// Picture height, pixels.
+    pub height: u32,
+    /// Bands from top to bottom, each of at most 4 Mpixel (or one row).
+    pub regions: Vec<Region>,
+    /// Passes of a full-grown shard, at least 1.
+    pub passes_per_shard: u32,
+    /// Shards of one region in an epoch.
+    pub shards_per_epoch: u32,
+    /// Epoch `e` is traced with the radii after all epochs up to `e − 1 − epoch_lag`.
+    pub epoch_lag: u32,
+    /// Passes at which the job is complete.
+    pub passes: u32,
+    /// Whether radii come from pixel statistics, so that epochs must wait for merges.
+    pub radius_rule: RadiusRule,
+}
+
+/// A shard and its place in the plan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlannedShard {
+    /// What to trace.
+    pub shard: Shard,
+    /// Index of its region.
+    pub region: u32,
+    /// Epoch for which its radius field was taken: 0 means the first radii.
+    pub field_epoch: u32,
+}
+
+impl Plan {
+    /// Cuts a job. `cost_per_pass` is the pilot's, in nominal microseconds for the whole picture; `passes` is `None`
+    /// when only seconds stop the job.
+    pub fn new(width: u32, height: u32, cost_per_pass: u64, passes: Option<u32>, radius_rule: RadiusRule) -> Self {
+        let regions = bands(width, height);
+        let rows = regions.iter().map(|region| u64::from(region.rows())).max().unwrap_or(1);
+        let cost = (cost_per_pass.saturating_mul(rows) / u64::from(height.max(1))).max(1);
+        Self {
+            width,
+            height,
+            regions,
+            passes_per_shard: (SHARD_COST / cost).clamp(1, 1 << 20) as u32,
+            shards_per_epoch: SHARDS_PER_EPOCH,
+            epoch_lag: EPOCH_LAG,
+            passes: passes.unwrap_or(PASSES_LIMIT).clamp(1, PASSES_LIMIT),
+            radius_rule,
+        }
+    }
+
+    /// Passes of a shard in `epoch`; the job's last shard may have fewer.
+    pub fn passes_in_shard(&self, epoch: u32) -> u32 {
+        1u32.checked_shl(epoch).unwrap_or(u32::MAX).min(self.passes_per_shard)
+    }
+
+    /// Shards in the whole job.
+    pub fn shard_count(&self) -> u64 {
+        let (epoch, first_pass) = self.last_epoch();
+        let whole = u64::from(epoch) * self.shards_in_epoch();
+        let rest = (self.passes - first_pass).div_ceil(self.passes_in_shard(epoch));
+        whole + u64::from(rest) * self.regions.len() as u64
+    }
+
+    /// Index of the first shard of `epoch`.
+    pub fn epoch_start(&self, epoch: u32) -> u64 {
+        (u64::from(epoch) * self.shards_in_epoch()).min(self.shard_count())
+    }
+
+    /// The epoch that shard `index` belongs to.
+    pub fn epoch_of(&self, index: u64) -> u32 {
+        (index / self.shards_in_epoch()) as u32
+    }
+
+    /// The epoch whose shards' radius field is that of `epoch`: 0 for the first radii.
+    pub fn field_epoch(&self, epoch: u32) -> u32 {
+        match self.radius_rule {
+            RadiusRule::Statistics if epoch > self.epoch_lag => epoch,
+            _ => 0,
+        }
+    }
+
+    /// Shard `index` in the job's one order: by epoch, then region, then pass. `None` past the end.
+    pub fn shard(&self, index: u64) -> Option<PlannedShard> {
+        let epoch = u32::try_from(index / self.shards_in_epoch()).ok()?;
+        let (last_epoch, _) = self.last_epoch();
+        if epoch > last_epoch {
+            return None;
+        }
+        let (start, passes) = (self.first_pass(epoch), self.passes_in_shard(epoch));
+        let left = u64::from(self.passes) - start;
+        let per_region = left.div_ceil(u64::from(passes)).min(u64::from(self.shards_per_epoch));
+        let within = index % self.shards_in_epoch();
+        let region = usize::try_from(within / per_region).ok()?;
+        let first_pass = start + within % per_region * u64::from(passes);
+        let shard = Shard {
+            first_pass: first_pass as u32,
+            passes: u64::from(passes).min(u64::from(self.passes) - first_pass) as u32,
+            region: *self.regions.get(region)?,
+        };
+        Some(PlannedShard { shard, region: region as u32, field_epoch: self.field_epoch(epoch) })
+    }
+
+    /// How many shards must be merged before shard `index` may be issued.
+    ///
+    /// Under `statistics` its radius field must exist; under `schedule` only the buffer of early results is bounded.
+    pub fn merged_before(&self, index: u64) -> u64 {
+        match self.radius_rule {
+            RadiusRule::Statistics => self.epoch_start(self.epoch_of(index).saturating_sub(self.epoch_lag)),
+            RadiusRule::Schedule => (index + 1).saturating_sub(4 * u64::from(self.shards_per_epoch)),
+        }
+    }
+
+    /// Shards that must be merged before every region has a pass.
+    pub fn shards_until_covered(&self) -> u64 {
+        let per_region = u64::from(self.passes.min(self.shards_per_epoch));
+        (self.regions.len() as u64 - 1) * per_region + 1
+    }
+
+    fn shards_in_epoch(&self) -> u64 {
+        u64::from(self.shards_per_epoch) * self.regions.len() as u64
+    }
+
+    /// First pass of `epoch`, wherever the job ends.
+    fn first_pass(&self, epoch: u32) -> u64 {
+        let growing = self.passes_per_shard.next_power_of_two().ilog2().min(epoch);
+        let grown = u64::from(epoch - growing) * u64::from(self.passes_per_shard);
+        u64::from(self.shards_per_epoch) * ((1u64 << growing) - 1 + grown)
+    }
+
+    /// The epoch with the last pass, and its first pass.
+    fn last_epoch(&self) -> (u32, u32) {
+        let last_pass = u64::from(self.passes - 1);
+        let growing = self.passes_per_shard.next_power_of_two().ilog2();
+        let grown_from = self.first_pass(growing);
+        let epoch = if last_pass >= grown_from {
+            let epoch_passes = u64::from(self.shards_per_epoch) * u64::from(self.passes_per_shard);
+            growing + ((last_pass - grown_from) / epoch_passes) as u32
+        } else {
+            (last_pass / u64::from(self.shards_per_epoch) + 1).ilog2()
+        };
+        (epoch, self.first_pass(epoch) as u32)
+    }
+}
+
+/// Equal bands of at most `REGION_PIXELS` pixels, but at least one row each.
+fn bands(width: u32, height: u32) -> Vec<Region> {
+    let pixels = u64::from(width) * u64::from(height);
+    let count = pixels.div_ceil(REGION_PIXELS).clamp(1, u64::from(height.max(1)));
+    let edge = |index: u64| (u64::from(height) * index / count) as u32;
+    (0..count).map(|index| Region { row_start: edge(index), row_end: edge(index + 1) }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every region gets passes 0, 1, 2, … without gap or repetition, in epochs of the stated size.
+    #[test]
+    fn shards_cover_all_passes_in_order() {
+        for (height, cost, passes) in [(64, 1, 1), (64, 150_000, 1000), (9000, 3_000_000, 77), (64, 330_000, 4097)] {
+            let plan = Plan::new(2048, height, cost, Some(passes), RadiusRule::Statistics);
+            let mut next = vec![0; plan.regions.len()];
+            for index in 0..plan.shard_count() {
+                let planned = plan.shard(index).expect("inside the plan");
+                assert_eq!(planned.shard.first_pass, next[planned.region as usize], "{plan:?} shard {index}");
+                next[planned.region as usize] += planned.shard.passes;
+            }
+            assert!(next.iter().all(|done| *done == passes), "{plan:?}");
+            assert_eq!(plan.shard(plan.shard_count()), None);
+        }
+    }
+
+    /// A job of n passes starts with the shards of a longer one.
+    #[test]
+    fn the_cut_does_not_depend_on_the_end() {
+        let long = Plan::new(64, 64, 100_000, None, RadiusRule::Statistics);
+        let end = long.shard(40).expect("a long job").shard.first_pass;
+        let short = Plan::new(64, 64, 100_000, Some(end), RadiusRule::Statistics);
+        assert_eq!(short.shard_count(), 40);
+        assert!((0..40).all(|index| short.shard(index) == long.shard(index)));
+    }
+}
