@@ -17,6 +17,7 @@
 //! | [`cli`] | one file per subcommand | all |
 
 pub mod estimate;
+pub mod evaluation;
 pub mod farm;
 pub mod math;
 pub mod method;
