@@ -1,0 +1,48 @@
+//! What the farm answers when it cannot do what was asked.
+
+use crate::method::MethodError;
+use crate::scene::error::SceneError;
+
+/// A request to the coordinator that cannot be met. None of these disturbs other jobs.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum FarmError {
+    /// No scene with this hash was uploaded.
+    #[error("there is no scene \"{0}\"; upload it first")]
+    UnknownScene(String),
+    /// No job has this id.
+    #[error("there is no job \"{0}\"")]
+    UnknownJob(String),
+    /// The scene cannot be rendered.
+    #[error(transparent)]
+    BadScene(#[from] SceneError),
+    /// The method does not exist or cannot take its parameters.
+    #[error(transparent)]
+    BadMethod(#[from] MethodError),
+    /// Another part of the request is wrong.
+    #[error("{problem}; {remedy}")]
+    BadRequest {
+        /// What is wrong.
+        problem: String,
+        /// What the user can do.
+        remedy: String,
+    },
+    /// Nothing has been merged yet.
+    #[error("job \"{0}\" has no picture yet; wait for its first shard")]
+    NoPictureYet(String),
+    /// More than the coordinator takes.
+    #[error("{what} is {found} where at most {limit} is accepted")]
+    TooLarge {
+        /// What is too large, with its unit.
+        what: &'static str,
+        /// How large it is.
+        found: u64,
+        /// How large it may be.
+        limit: u64,
+    },
+    /// The coordinator is stopping and takes no new work.
+    #[error("the coordinator is shutting down; try again when it is back")]
+    ShuttingDown,
+    /// A fault of the coordinator itself; its log says more.
+    #[error("internal fault: {0}")]
+    Internal(String),
+}
