@@ -4,8 +4,8 @@ use std::path::Path;
 
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{
-    PictureFileError, PictureFormat, PictureLayers, PictureMetadata, check_writable, decode_exr, encode_exr, encode_png,
-    read_exr, write_file,
+    PictureFileError, PictureFormat, PictureLayers, PictureMetadata, check_writable, decode_exr, encode_exr,
+    encode_png, read_exr, write_file,
 };
 
 fn picture() -> Picture {

@@ -56,7 +56,8 @@ pub fn decode_exr(bytes: &[u8]) -> Result<Picture, PictureFileError> {
         .map_err(|error| decode_error(error.to_string()))?;
     let found = image.layer_data.iter().find_map(|layer| Some((layer.size, color_channels(&layer.channel_data.list)?)));
     let (size, [red, green, blue]) = found.ok_or_else(|| decode_error("there is no color channel".to_owned()))?;
-    let dimension = |value: usize| u32::try_from(value).map_err(|_| decode_error("the picture is too large".to_owned()));
+    let dimension =
+        |value: usize| u32::try_from(value).map_err(|_| decode_error("the picture is too large".to_owned()));
     let colors = red.values_as_f32().zip(green.values_as_f32()).zip(blue.values_as_f32());
     Ok(Picture {
         width: dimension(size.width())?,

@@ -9,8 +9,7 @@ use crate::estimate::Picture;
 /// Encodes a picture after multiplying it by `2^exposure` (`exposure` in stops).
 pub fn encode_png(picture: &Picture, exposure: f32) -> Result<Vec<u8>, PictureFileError> {
     let scale = exposure.exp2();
-    let bytes: Vec<u8> =
-        picture.radiance.iter().flatten().map(|radiance| srgb_byte(radiance * scale)).collect();
+    let bytes: Vec<u8> = picture.radiance.iter().flatten().map(|radiance| srgb_byte(radiance * scale)).collect();
     let mut file = Vec::new();
     PngEncoder::new(&mut file)
         .write_image(&bytes, picture.width, picture.height, ExtendedColorType::Rgb8)
