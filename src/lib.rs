@@ -16,7 +16,9 @@
 //! | [`api`] | REST and live events | farm |
 //! | [`cli`] | one file per subcommand | all |
 
+pub mod api;
 pub mod estimate;
+pub mod evaluation;
 pub mod farm;
 pub mod math;
 pub mod method;

@@ -5,6 +5,7 @@
 
 pub mod estimate;
 pub mod picture;
+pub mod picture_files;
 pub mod radius;
 pub mod shard;
 pub mod tally;

@@ -1,0 +1,182 @@
+//! A job's picture at any time, as PNG and EXR, with an ETag so that an unchanged one is not sent twice.
+
+use axum::extract::State;
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Deserialize;
+use utoipa::IntoParams;
+
+use super::ApiState;
+use super::extract::{PathValue, QueryValues};
+use super::problem::Problem;
+use crate::estimate::Picture;
+use crate::estimate::picture_files::{PictureFileError, PictureLayers, PictureMetadata, encode_exr, encode_png};
+use crate::farm::FarmError;
+use crate::farm::job::JobStatus;
+
+/// How the PNG is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct PngQuery {
+    /// Stops by which the picture is made brighter (multiplied by 2^exposure), −64 to 64; 0 by default.
+    #[serde(default)]
+    pub exposure: f32,
+}
+
+/// What the EXR holds.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct ExrQuery {
+    /// Further channels, separated by commas: `radius` (gather radius, m), `photons` (photons accumulated).
+    #[serde(default)]
+    pub layers: String,
+}
+
+/// The picture so far as 8-bit sRGB PNG.
+#[utoipa::path(
+    get, path = "/jobs/{id}/image.png", tag = "images",
+    params(("id" = String, Path, description = "The job's id"), PngQuery),
+    responses(
+        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/png",
+            headers(("ETag" = String))),
+        (status = 304, description = "The same as If-None-Match names"),
+        (status = 404, description = "No such job, or no picture yet", body = Problem,
+            content_type = "application/problem+json"),
+    )
+)]
+pub async fn image_png(
+    State(state): State<ApiState>,
+    PathValue(id): PathValue<String>,
+    QueryValues(query): QueryValues<PngQuery>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    if !(-64.0..=64.0).contains(&query.exposure) {
+        return Err(Problem::bad_request(
+            format!("exposure is {}", query.exposure),
+            "give a number of stops from -64 to 64",
+        ));
+    }
+    let variant = format!("png{:x}", query.exposure.to_bits());
+    if let Some(unchanged) = unchanged(&state.coordinator.job(&id)?, &variant, &headers) {
+        return Ok(unchanged);
+    }
+    let (picture, status) = state.coordinator.picture(&id).await?;
+    let bytes = encode(move || encode_png(&picture, query.exposure)).await?;
+    Ok(image("image/png", Some(etag(&status, &variant)), bytes))
+}
+
+/// The picture so far as 32-bit float EXR, linear, with the job in its header.
+#[utoipa::path(
+    get, path = "/jobs/{id}/image.exr", tag = "images",
+    params(("id" = String, Path, description = "The job's id"), ExrQuery),
+    responses(
+        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/x-exr",
+            headers(("ETag" = String))),
+        (status = 304, description = "The same as If-None-Match names"),
+        (status = 404, description = "No such job, or no picture yet", body = Problem,
+            content_type = "application/problem+json"),
+    )
+)]
+pub async fn image_exr(
+    State(state): State<ApiState>,
+    PathValue(id): PathValue<String>,
+    QueryValues(query): QueryValues<ExrQuery>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let wanted = WantedLayers::parse(&query.layers)?;
+    let variant = format!("exr{}{}", u8::from(wanted.radius), u8::from(wanted.photons));
+    if let Some(unchanged) = unchanged(&state.coordinator.job(&id)?, &variant, &headers) {
+        return Ok(unchanged);
+    }
+    let (picture, status) = state.coordinator.picture(&id).await?;
+    let layers = wanted.fetch(&state, &id).await?;
+    // Layers are taken after the picture; when a tally was merged in between they are newer, and the bytes have no name.
+    let same_version = state.coordinator.job(&id)?.picture_version == status.picture_version;
+    let tag = (same_version || wanted.is_none()).then(|| etag(&status, &variant));
+    let bytes = encode(move || encode_exr_of(&picture, &layers, &status)).await?;
+    Ok(image("image/x-exr", tag, bytes))
+}
+
+#[derive(Clone, Copy)]
+struct WantedLayers {
+    radius: bool,
+    photons: bool,
+}
+
+impl WantedLayers {
+    fn parse(list: &str) -> Result<Self, Problem> {
+        let mut wanted = Self { radius: false, photons: false };
+        for name in list.split(',').map(str::trim).filter(|name| !name.is_empty()) {
+            match name {
+                "radius" => wanted.radius = true,
+                "photons" => wanted.photons = true,
+                _ => {
+                    let detail = format!("there is no layer \"{name}\"");
+                    return Err(Problem::bad_request(detail, "known layers: radius, photons"));
+                }
+            }
+        }
+        Ok(wanted)
+    }
+
+    fn is_none(self) -> bool {
+        !self.radius && !self.photons
+    }
+
+    async fn fetch(self, state: &ApiState, id: &str) -> Result<PictureLayers, FarmError> {
+        if self.is_none() {
+            return Ok(PictureLayers::default());
+        }
+        let layers = state.coordinator.layers(id).await?;
+        Ok(PictureLayers {
+            radius: self.radius.then_some(layers.radius),
+            photons: self.photons.then_some(layers.photons),
+        })
+    }
+}
+
+fn encode_exr_of(picture: &Picture, layers: &PictureLayers, status: &JobStatus) -> Result<Vec<u8>, PictureFileError> {
+    let metadata = PictureMetadata {
+        job: status.id.clone(),
+        method: status.method.clone(),
+        parameters: status.parameters.clone(),
+        passes: status.passes_done,
+        photons_emitted: status.photons_emitted,
+        seed: status.seed,
+        scene: status.scene.clone(),
+    };
+    encode_exr(picture, layers, &metadata)
+}
+
+/// Runs an encoder where it does not hold up other requests.
+async fn encode(
+    encoder: impl FnOnce() -> Result<Vec<u8>, PictureFileError> + Send + 'static,
+) -> Result<Vec<u8>, Problem> {
+    let encoded = tokio::task::spawn_blocking(encoder).await.map_err(|error| FarmError::Internal(error.to_string()))?;
+    Ok(encoded.map_err(|error| FarmError::Internal(error.to_string()))?)
+}
+
+fn etag(status: &JobStatus, variant: &str) -> String {
+    format!("\"{}-{}-{variant}\"", status.id, status.picture_version)
+}
+
+/// The answer 304, when the request names the picture that there is now.
+fn unchanged(status: &JobStatus, variant: &str, headers: &HeaderMap) -> Option<Response> {
+    let tag = etag(status, variant);
+    let named = headers.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
+    let matches =
+        named.flat_map(|list| list.split(',')).map(|name| name.trim().trim_start_matches("W/")).any(|name| name == tag);
+    matches.then(|| {
+        (StatusCode::NOT_MODIFIED, [(header::ETAG, tag)], [(header::CACHE_CONTROL, "no-cache")]).into_response()
+    })
+}
+
+fn image(content_type: &'static str, tag: Option<String>, bytes: Vec<u8>) -> Response {
+    let headers = [(header::CONTENT_TYPE, content_type), (header::CACHE_CONTROL, "no-cache")];
+    match tag {
+        Some(tag) => (headers, [(header::ETAG, tag)], bytes).into_response(),
+        None => (headers, bytes).into_response(),
+    }
+}

@@ -1,0 +1,179 @@
+//! Jobs: submit, look at, cancel.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::ApiState;
+use super::extract::{JsonBody, PathValue};
+use super::problem::Problem;
+use crate::farm::FarmError;
+use crate::farm::job::{JobRequest, JobStatus, StopRule};
+
+/// A job to be made. Exactly one of `scene` and `scene_inline` is given.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct JobSubmission {
+    /// Hash of an uploaded scene, 64 hexadecimal digits.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scene: Option<String>,
+    /// The scene itself: a dictionary as Mitsuba 3's `load_dict` takes it, or a string of Mitsuba 3 XML. It stands alone;
+    /// scenes that refer to files are uploaded as an archive.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Object>)]
+    pub scene_inline: Option<serde_json::Value>,
+    /// Method; the scene's own integrator when it is not given.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub method: Option<String>,
+    /// Method parameters that override the scene's.
+    #[serde(default)]
+    #[schema(value_type = Object)]
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+    /// When to stop; after the method's `passes` when nothing is given.
+    #[serde(default)]
+    pub stop: StopRule,
+    /// Seed of all random numbers; 0 by default.
+    #[serde(default)]
+    pub seed: u64,
+}
+
+/// A job's status with its addresses.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct JobView {
+    /// How it is doing.
+    #[serde(flatten)]
+    pub status: JobStatus,
+    /// Where to go from here.
+    pub links: JobLinks,
+}
+
+/// Addresses that belong to a job.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct JobLinks {
+    /// The job itself.
+    #[serde(rename = "self")]
+    pub this: String,
+    /// Its status as it changes, as server-sent events.
+    pub events: String,
+    /// Its picture so far, to look at.
+    pub image_png: String,
+    /// Its picture so far, to compute with.
+    pub image_exr: String,
+    /// POST here to stop it.
+    pub cancel: String,
+}
+
+/// All jobs.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct JobList {
+    /// Oldest first.
+    pub jobs: Vec<JobView>,
+}
+
+impl From<JobStatus> for JobView {
+    fn from(status: JobStatus) -> Self {
+        let this = format!("/v1/jobs/{}", status.id);
+        let links = JobLinks {
+            events: format!("{this}/events"),
+            image_png: format!("{this}/image.png"),
+            image_exr: format!("{this}/image.exr"),
+            cancel: format!("{this}/cancel"),
+            this,
+        };
+        Self { status, links }
+    }
+}
+
+/// Submits a job.
+#[utoipa::path(
+    post, path = "/jobs", tag = "jobs", request_body = JobSubmission,
+    responses(
+        (status = 202, description = "Checked and queued", body = JobView, headers(("Location" = String))),
+        (status = 400, description = "Not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "More than 64 MiB", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "Not said to be JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn submit_job(
+    State(state): State<ApiState>,
+    JsonBody(submission): JsonBody<JobSubmission>,
+) -> Result<Response, Problem> {
+    let scene = match (submission.scene, submission.scene_inline) {
+        (Some(hash), None) => hash,
+        (None, Some(scene)) => state.coordinator.add_scene(inline_scene_bytes(scene)?).await?.hash,
+        (found, _) => {
+            let detail = if found.is_some() { "the job has two scenes" } else { "the job has no scene" };
+            return Err(Problem::bad_request(detail, "give either scene (a hash) or scene_inline"));
+        }
+    };
+    let JobSubmission { method, parameters, stop, seed, .. } = submission;
+    let request = JobRequest { scene, method, parameters, stop, seed };
+    let id = state.coordinator.submit(request).await.map_err(submission_problem)?;
+    let view = JobView::from(state.coordinator.job(&id)?);
+    let location = view.links.this.clone();
+    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)).into_response())
+}
+
+fn inline_scene_bytes(scene: serde_json::Value) -> Result<Vec<u8>, Problem> {
+    match scene {
+        serde_json::Value::String(xml) => Ok(xml.into_bytes()),
+        serde_json::Value::Object(_) => Ok(scene.to_string().into_bytes()),
+        _ => Err(Problem::bad_request(
+            "scene_inline is neither a dictionary nor a string",
+            "give a Mitsuba 3 dictionary, or Mitsuba 3 XML as a string",
+        )),
+    }
+}
+
+/// An unknown scene is a fault of the body here, not of the address.
+fn submission_problem(error: FarmError) -> Problem {
+    let unknown_scene = matches!(error, FarmError::UnknownScene(_));
+    let problem = Problem::from(error);
+    let status = if unknown_scene { StatusCode::UNPROCESSABLE_ENTITY.as_u16() } else { problem.status };
+    Problem { status, ..problem }
+}
+
+/// Lists all jobs.
+#[utoipa::path(
+    get, path = "/jobs", tag = "jobs",
+    responses((status = 200, description = "All jobs, oldest first", body = JobList))
+)]
+pub async fn list_jobs(State(state): State<ApiState>) -> Json<JobList> {
+    Json(JobList { jobs: state.coordinator.jobs().into_iter().map(JobView::from).collect() })
+}
+
+/// Tells how a job is doing.
+#[utoipa::path(
+    get, path = "/jobs/{id}", tag = "jobs",
+    params(("id" = String, Path, description = "The job's id")),
+    responses(
+        (status = 200, description = "Its status", body = JobView),
+        (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn show_job(
+    State(state): State<ApiState>,
+    PathValue(id): PathValue<String>,
+) -> Result<Json<JobView>, Problem> {
+    Ok(Json(state.coordinator.job(&id)?.into()))
+}
+
+/// Stops a job and keeps its picture. A job that has ended already stays as it is.
+#[utoipa::path(
+    post, path = "/jobs/{id}/cancel", tag = "jobs",
+    params(("id" = String, Path, description = "The job's id")),
+    responses(
+        (status = 200, description = "Its status afterwards", body = JobView),
+        (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn cancel_job(
+    State(state): State<ApiState>,
+    PathValue(id): PathValue<String>,
+) -> Result<Json<JobView>, Problem> {
+    Ok(Json(state.coordinator.cancel(&id)?.into()))
+}

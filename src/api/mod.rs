@@ -1,0 +1,78 @@
+//! REST under `/v1`, live events and a page to look at. Speaks to the farm through its handle only.
+//!
+//! | file | what |
+//! |---|---|
+//! | [`problem`] | every error answer, `application/problem+json` |
+//! | [`extract`] | path, query and body of a request, with errors as problems |
+//! | [`scenes`], [`jobs`], [`images`], [`events`], [`workers`] | the endpoints |
+//! | [`openapi`] | the description of all this, generated from the handlers |
+
+pub mod dashboard;
+pub mod events;
+pub mod extract;
+pub mod images;
+pub mod jobs;
+pub mod openapi;
+pub mod problem;
+pub mod scenes;
+pub mod workers;
+
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::routing::get;
+use tokio_util::sync::CancellationToken;
+use utoipa::OpenApi;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::farm::{self, CoordinatorHandle};
+
+/// Bytes that an uploaded scene may have: 1 GiB.
+pub const MAX_SCENE_BYTES: usize = 1 << 30;
+/// Bytes that a job request, inline scene included, may have: 64 MiB.
+pub const MAX_JOB_BYTES: usize = 64 << 20;
+
+/// What the endpoints share.
+#[derive(Clone)]
+pub struct ApiState {
+    /// The door to the coordinator.
+    pub coordinator: CoordinatorHandle,
+    /// Cancelled when the server stops; ends event streams, which would otherwise go on as long as their jobs.
+    pub shutdown: CancellationToken,
+}
+
+/// Everything a coordinator serves: the API under `/v1`, the workers' protocol under `/farm/v1`, and the dashboard.
+pub fn application(coordinator: CoordinatorHandle, shutdown: CancellationToken) -> Router {
+    let workers_protocol = farm::server::router(coordinator.clone());
+    router(ApiState { coordinator, shutdown }).nest("/farm/v1", workers_protocol)
+}
+
+/// The API and the dashboard, without the workers' protocol.
+pub fn router(state: ApiState) -> Router {
+    let (router, description) = described_routes().split_for_parts();
+    Router::new()
+        .merge(router.with_state(state))
+        .merge(openapi::routes(description))
+        .route("/", get(dashboard::page))
+        .fallback(problem::not_found)
+        .method_not_allowed_fallback(problem::method_not_allowed)
+}
+
+fn described_routes() -> OpenApiRouter<ApiState> {
+    let uploads =
+        OpenApiRouter::new().routes(routes!(scenes::upload_scene)).layer(DefaultBodyLimit::max(MAX_SCENE_BYTES));
+    let submissions = OpenApiRouter::new()
+        .routes(routes!(jobs::list_jobs, jobs::submit_job))
+        .layer(DefaultBodyLimit::max(MAX_JOB_BYTES));
+    let version_1 = OpenApiRouter::new()
+        .merge(uploads)
+        .merge(submissions)
+        .routes(routes!(scenes::show_scene))
+        .routes(routes!(jobs::show_job))
+        .routes(routes!(jobs::cancel_job))
+        .routes(routes!(events::job_events))
+        .routes(routes!(images::image_png))
+        .routes(routes!(images::image_exr))
+        .routes(routes!(workers::list_workers));
+    OpenApiRouter::with_openapi(openapi::Description::openapi()).routes(routes!(workers::health)).nest("/v1", version_1)
+}

@@ -1,0 +1,199 @@
+//! Every error answer of the API: `application/problem+json` (RFC 9457) with the remedy and, where there is one, the
+//! place in what the user sent.
+
+use std::error::Error;
+
+use axum::extract::rejection::{BytesRejection, JsonRejection, PathRejection, QueryRejection};
+use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
+use axum::response::{IntoResponse, Response};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::farm::FarmError;
+use crate::method::MethodError;
+use crate::scene::error::SceneError;
+
+/// Why a request was not met.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct Problem {
+    /// What kind of problem, as `urn:photonfarm:problem:…`; stays the same between versions.
+    #[serde(rename = "type")]
+    pub kind: String,
+    /// The kind in words.
+    pub title: String,
+    /// The HTTP status.
+    pub status: u16,
+    /// What is wrong with this request.
+    pub detail: String,
+    /// What to do about it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remedy: Option<String>,
+    /// Where it stands in what was sent: file, line and path of a scene, or line and column of a JSON body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub place: Option<String>,
+}
+
+impl Problem {
+    /// A problem of the kind `urn:photonfarm:problem:{slug}`, titled by the slug's words.
+    pub fn new(status: StatusCode, slug: &str, detail: impl Into<String>) -> Self {
+        Self {
+            kind: format!("urn:photonfarm:problem:{slug}"),
+            title: slug.replace('-', " "),
+            status: status.as_u16(),
+            detail: detail.into(),
+            remedy: None,
+            place: None,
+        }
+    }
+
+    /// The same with a remedy; an empty one is none.
+    pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
+        self.remedy = Some(remedy.into()).filter(|remedy| !remedy.is_empty());
+        self
+    }
+
+    /// The same with a place.
+    pub fn place(mut self, place: impl Into<String>) -> Self {
+        self.place = Some(place.into()).filter(|place| !place.is_empty());
+        self
+    }
+
+    /// Something in a request that has the right form but an impossible value.
+    pub fn bad_request(detail: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-request", detail).remedy(remedy)
+    }
+
+    /// The last word of the kind, for example `unknown-job`.
+    pub fn slug(&self) -> &str {
+        self.kind.rsplit(':').next().unwrap_or_default()
+    }
+}
+
+impl IntoResponse for Problem {
+    fn into_response(self) -> Response {
+        let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
+        let mut response = (status, axum::Json(&self)).into_response();
+        let headers = response.headers_mut();
+        headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        if status == StatusCode::SERVICE_UNAVAILABLE || self.slug() == "no-picture-yet" {
+            headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+        }
+        response
+    }
+}
+
+impl From<FarmError> for Problem {
+    fn from(error: FarmError) -> Self {
+        let detail = error.to_string();
+        match error {
+            FarmError::UnknownScene(_) => {
+                Self::new(StatusCode::NOT_FOUND, "unknown-scene", detail).remedy("upload it with POST /v1/scenes")
+            }
+            FarmError::UnknownJob(_) => Self::new(StatusCode::NOT_FOUND, "unknown-job", detail)
+                .remedy("see GET /v1/jobs for the jobs there are"),
+            FarmError::BadScene(error) => Self::from(error),
+            FarmError::BadMethod(error) => Self::from(error),
+            FarmError::BadRequest { problem, remedy } => Self::bad_request(problem, remedy),
+            FarmError::NoPictureYet(_) => Self::new(StatusCode::NOT_FOUND, "no-picture-yet", detail)
+                .remedy("ask again, or follow the job's events"),
+            FarmError::TooLarge { .. } => {
+                Self::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", detail).remedy("send less, or make it smaller")
+            }
+            FarmError::ShuttingDown => Self::new(StatusCode::SERVICE_UNAVAILABLE, "shutting-down", detail),
+            FarmError::Internal(_) => {
+                tracing::error!(%detail, "a request failed");
+                Self::new(StatusCode::INTERNAL_SERVER_ERROR, "internal-fault", detail)
+                    .remedy("look at the coordinator's log")
+            }
+        }
+    }
+}
+
+impl From<SceneError> for Problem {
+    fn from(error: SceneError) -> Self {
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-scene", error.problem)
+            .remedy(error.remedy)
+            .place(error.location.to_string())
+    }
+}
+
+impl From<MethodError> for Problem {
+    fn from(error: MethodError) -> Self {
+        let problem = |detail: String| Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-method", detail);
+        match error {
+            MethodError::Unknown { name, remedy } => problem(format!("there is no method \"{name}\"")).remedy(remedy),
+            MethodError::Parameter { method, problem: what, remedy } => {
+                problem(format!("method \"{method}\": {what}")).remedy(remedy)
+            }
+        }
+    }
+}
+
+impl From<JsonRejection> for Problem {
+    fn from(rejection: JsonRejection) -> Self {
+        let status = rejection.status();
+        let detail = rejection.body_text();
+        let problem = match rejection {
+            JsonRejection::MissingJsonContentType(_) => Self::new(status, "wrong-content-type", detail)
+                .remedy("send JSON with the header Content-Type: application/json"),
+            JsonRejection::BytesRejection(rejection) => return Self::from(rejection),
+            JsonRejection::JsonSyntaxError(_) => {
+                Self::new(status, "bad-json", detail).remedy("correct the JSON at that place")
+            }
+            _ => Self::new(status, "bad-request", detail).remedy("see /v1/openapi.json for what may be sent"),
+        };
+        match json_place(&rejection) {
+            Some(place) => problem.place(place),
+            None => problem,
+        }
+    }
+}
+
+/// Line and column of the JSON error below `error`.
+fn json_place(error: &(dyn Error + 'static)) -> Option<String> {
+    let mut cause = Some(error);
+    while let Some(error) = cause {
+        if let Some(json) = error.downcast_ref::<serde_json::Error>() {
+            return Some(format!("line {}, column {}", json.line(), json.column()));
+        }
+        cause = error.source();
+    }
+    None
+}
+
+impl From<BytesRejection> for Problem {
+    fn from(rejection: BytesRejection) -> Self {
+        let status = rejection.status();
+        if status == StatusCode::PAYLOAD_TOO_LARGE {
+            return Self::new(status, "too-large", "the body has more bytes than are accepted")
+                .remedy("send at most 1 GiB as a scene and 64 MiB as a job; upload large scenes with POST /v1/scenes");
+        }
+        Self::new(status, "broken-body", rejection.body_text()).remedy("send the request again")
+    }
+}
+
+impl From<PathRejection> for Problem {
+    fn from(rejection: PathRejection) -> Self {
+        Self::new(rejection.status(), "bad-path", rejection.body_text()).remedy("correct the address")
+    }
+}
+
+impl From<QueryRejection> for Problem {
+    fn from(rejection: QueryRejection) -> Self {
+        let remedy = "see /v1/openapi.json for the parameters there are";
+        Self::new(rejection.status(), "bad-query", rejection.body_text()).remedy(remedy)
+    }
+}
+
+/// The answer to an address that does not exist.
+pub async fn not_found(uri: Uri) -> Problem {
+    Problem::new(StatusCode::NOT_FOUND, "unknown-address", format!("there is nothing at {}", uri.path()))
+        .remedy("see /v1/openapi.json for the addresses there are")
+}
+
+/// The answer to an address that exists but not for this HTTP method.
+pub async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
+    let detail = format!("{} does not take {method}", uri.path());
+    Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", detail)
+        .remedy("use a method that the header Allow names")
+}

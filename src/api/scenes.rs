@@ -1,0 +1,72 @@
+//! Scenes: upload once, refer to by hash.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::ApiState;
+use super::extract::{PathValue, RawBody};
+use super::problem::Problem;
+use crate::farm::SceneSummary;
+
+/// An uploaded scene.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct SceneView {
+    /// What is known of it.
+    #[serde(flatten)]
+    pub summary: SceneSummary,
+    /// Where to go from here.
+    pub links: SceneLinks,
+}
+
+/// Addresses that belong to a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct SceneLinks {
+    /// The scene itself.
+    #[serde(rename = "self")]
+    pub this: String,
+    /// Where jobs are submitted.
+    pub jobs: String,
+}
+
+impl From<SceneSummary> for SceneView {
+    fn from(summary: SceneSummary) -> Self {
+        let links = SceneLinks { this: format!("/v1/scenes/{}", summary.hash), jobs: "/v1/jobs".to_owned() };
+        Self { summary, links }
+    }
+}
+
+/// Uploads a scene: Mitsuba 3 XML or JSON that stands alone, or a zip archive with everything it refers to.
+#[utoipa::path(
+    post, path = "/scenes", tag = "scenes",
+    request_body(content = Vec<u8>, content_type = "application/octet-stream"),
+    responses(
+        (status = 201, description = "Checked and kept", body = SceneView, headers(("Location" = String))),
+        (status = 413, description = "More than 1 GiB", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Cannot be rendered", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn upload_scene(State(state): State<ApiState>, RawBody(bytes): RawBody) -> Result<Response, Problem> {
+    let view = SceneView::from(state.coordinator.add_scene(bytes.into()).await?);
+    let location = view.links.this.clone();
+    Ok((StatusCode::CREATED, [(header::LOCATION, location)], Json(view)).into_response())
+}
+
+/// What is known of an uploaded scene.
+#[utoipa::path(
+    get, path = "/scenes/{hash}", tag = "scenes",
+    params(("hash" = String, Path, description = "Hash of the scene, 64 hexadecimal digits")),
+    responses(
+        (status = 200, description = "The scene", body = SceneView),
+        (status = 404, description = "Never uploaded", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn show_scene(
+    State(state): State<ApiState>,
+    PathValue(hash): PathValue<String>,
+) -> Result<Json<SceneView>, Problem> {
+    Ok(Json(state.coordinator.scene(&hash)?.into()))
+}

@@ -1,0 +1,105 @@
+//! Pictures as files: OpenEXR for numbers, PNG for eyes.
+//!
+//! A picture is encoded into memory first and written in one go ([`write_file`]), so a full disk never leaves half a
+//! picture. The same picture always gives the same bytes.
+
+mod atomic_write;
+mod exr_attributes;
+mod exr_file;
+mod png_file;
+
+use std::path::{Path, PathBuf};
+
+pub use atomic_write::{check_writable, write_file};
+pub use exr_file::{decode_exr, encode_exr, read_exr};
+pub use png_file::encode_png;
+
+/// Where a picture comes from; written into the header of EXR files.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PictureMetadata {
+    /// The job's id.
+    pub job: String,
+    /// Name of the method.
+    pub method: String,
+    /// All parameters of the method.
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+    /// Passes merged.
+    pub passes: u32,
+    /// Photons emitted in them.
+    pub photons_emitted: u64,
+    /// The job's seed.
+    pub seed: u64,
+    /// Hash of the scene.
+    pub scene: String,
+}
+
+/// Further numbers per pixel that an EXR file may hold. Row-major, top row first, as many as the picture has pixels.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PictureLayers {
+    /// Gather radius, m; channel `radius.Y`.
+    pub radius: Option<Vec<f32>>,
+    /// N, photons accumulated; channel `photons.Y`.
+    pub photons: Option<Vec<f32>>,
+}
+
+/// A picture file's format, chosen by the file name's extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// OpenEXR, 32-bit float, linear.
+    Exr,
+    /// PNG, 8 bit, sRGB.
+    Png,
+}
+
+impl PictureFormat {
+    /// The format that `path` asks for by its extension.
+    pub fn of_path(path: &Path) -> Result<Self, PictureFileError> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
+        match extension.to_ascii_lowercase().as_str() {
+            "exr" => Ok(Self::Exr),
+            "png" => Ok(Self::Png),
+            _ => Err(PictureFileError::UnknownFormat { path: path.to_owned() }),
+        }
+    }
+}
+
+/// A picture file that cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum PictureFileError {
+    /// The extension names no format.
+    #[error("\"{path}\" does not say which format it has; end the name in .exr or .png", path = .path.display())]
+    UnknownFormat {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file system refused.
+    #[error("cannot write \"{path}\": {source}; {remedy}", path = .path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What it said.
+        source: std::io::Error,
+        /// What the user can do.
+        remedy: &'static str,
+    },
+    /// The file cannot be read.
+    #[error("cannot read \"{path}\": {source}; check the name and the permissions", path = .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the file system said.
+        source: std::io::Error,
+    },
+    /// The bytes are not a picture that can be read.
+    #[error("{problem}; give an OpenEXR picture with channels R, G, B or Y")]
+    Decode {
+        /// What is wrong.
+        problem: String,
+    },
+    /// The picture does not fit the format.
+    #[error("cannot encode the picture: {problem}")]
+    Encode {
+        /// What is wrong.
+        problem: String,
+    },
+}

@@ -1,0 +1,24 @@
+//! PNG: 8-bit sRGB. Exposure is the only thing done to the picture; brighter than 1 is white.
+
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+use super::PictureFileError;
+use crate::estimate::Picture;
+
+/// Encodes a picture after multiplying it by `2^exposure` (`exposure` in stops).
+pub fn encode_png(picture: &Picture, exposure: f32) -> Result<Vec<u8>, PictureFileError> {
+    let scale = exposure.exp2();
+    let bytes: Vec<u8> = picture.radiance.iter().flatten().map(|radiance| srgb_byte(radiance * scale)).collect();
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file)
+        .write_image(&bytes, picture.width, picture.height, ExtendedColorType::Rgb8)
+        .map_err(|error| PictureFileError::Encode { problem: error.to_string() })?;
+    Ok(file)
+}
+
+/// The sRGB transfer function (IEC 61966-2-1) and rounding. Negative and not-a-number give 0.
+fn srgb_byte(linear: f32) -> u8 {
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0).round() as u8
+}

@@ -1,0 +1,136 @@
+//! Picture files: what is written can be read again, is always the same, and never replaces a good file by half a one.
+
+use std::path::Path;
+
+use photonfarm::estimate::Picture;
+use photonfarm::estimate::picture_files::{
+    PictureFileError, PictureFormat, PictureLayers, PictureMetadata, check_writable, decode_exr, encode_exr,
+    encode_png, read_exr, write_file,
+};
+
+fn picture() -> Picture {
+    let pixel = |i: u32| [i as f32 * 0.01, 1.0 / (i + 1) as f32, (i * i) as f32];
+    Picture { width: 37, height: 23, radiance: (0..37 * 23).map(pixel).collect() }
+}
+
+fn metadata() -> PictureMetadata {
+    let mut parameters = serde_json::Map::new();
+    parameters.insert("alpha".to_owned(), 0.7.into());
+    parameters.insert("note".to_owned(), "größer".into());
+    PictureMetadata {
+        job: "job-1".to_owned(),
+        method: "sppm".to_owned(),
+        parameters,
+        passes: 12,
+        photons_emitted: u64::MAX,
+        seed: 3,
+        scene: "ab".repeat(32),
+    }
+}
+
+#[test]
+fn exr_keeps_every_bit_and_the_layers() {
+    let layers = PictureLayers { radius: Some(vec![0.5; 37 * 23]), photons: Some(vec![8.0; 37 * 23]) };
+    let bytes = encode_exr(&picture(), &layers, &metadata()).expect("encodes");
+    assert_eq!(decode_exr(&bytes).expect("decodes"), picture());
+    let has = |name: &[u8]| bytes.windows(name.len()).any(|window| window == name);
+    assert!(has(b"radius.Y\0") && has(b"photons.Y\0"));
+}
+
+#[test]
+fn exr_header_tells_the_job() {
+    let bytes = encode_exr(&picture(), &PictureLayers::default(), &metadata()).expect("encodes");
+    let header = String::from_utf8_lossy(&bytes[..2000.min(bytes.len())]).into_owned();
+    for expected in ["photonfarm.job", "job-1", "sppm", r#"{"alpha":0.7,"note":"gr\u00f6\u00dfer"}"#] {
+        assert!(header.contains(expected), "{expected}");
+    }
+    assert!(header.contains(&u64::MAX.to_string()));
+}
+
+#[test]
+fn exr_bytes_are_the_same_every_time() {
+    let encode = || encode_exr(&picture(), &PictureLayers::default(), &metadata()).expect("encodes");
+    let first = encode();
+    // The attributes pass through a hash map with a random order per map.
+    assert!((0..20).all(|_| encode() == first));
+}
+
+#[test]
+fn exr_with_a_wrong_layer_or_no_pixels_is_refused() {
+    let layers = PictureLayers { radius: Some(vec![0.5; 3]), photons: None };
+    let error = encode_exr(&picture(), &layers, &metadata()).expect_err("three radii for 851 pixels");
+    assert!(error.to_string().contains("radius.Y"), "{error}");
+    let empty = Picture { width: 0, height: 0, radiance: Vec::new() };
+    encode_exr(&empty, &PictureLayers::default(), &metadata()).expect_err("no pixels");
+}
+
+#[test]
+fn reads_other_programs_exr_files() {
+    let folder = Path::new("tests/references/cornell-glass");
+    if !folder.exists() {
+        return;
+    }
+    let reference = read_exr(&folder.join("ref.exr")).expect("RGB");
+    let noise = read_exr(&folder.join("stderr.exr")).expect("one channel");
+    assert_eq!((reference.width, reference.height), (128, 128));
+    assert_eq!((noise.width, noise.height), (128, 128));
+    assert!(noise.radiance.iter().all(|pixel| pixel[0] == pixel[2]));
+}
+
+#[test]
+fn png_is_srgb_with_exposure_in_stops() {
+    let grey = |value: f32| Picture { width: 1, height: 1, radiance: vec![[value; 3]] };
+    let byte = |value: f32, exposure: f32| {
+        let png = encode_png(&grey(value), exposure).expect("encodes");
+        image::load_from_memory(&png).expect("decodes").to_rgb8().get_pixel(0, 0).0
+    };
+    assert_eq!(byte(0.214_041, 0.0), [128; 3]);
+    assert_eq!(byte(0.214_041 / 8.0, 3.0), [128; 3]);
+    assert_eq!(byte(1.0, 0.0), [255; 3]);
+    assert_eq!(byte(50.0, 0.0), [255; 3]);
+    assert_eq!(byte(-1.0, 0.0), [0; 3]);
+    assert_eq!(byte(0.001, 0.0), [3; 3]);
+}
+
+#[test]
+fn the_extension_names_the_format() {
+    assert_eq!(PictureFormat::of_path(Path::new("a/b.EXR")).ok(), Some(PictureFormat::Exr));
+    assert_eq!(PictureFormat::of_path(Path::new("b.png")).ok(), Some(PictureFormat::Png));
+    assert!(PictureFormat::of_path(Path::new("exr")).is_err());
+    assert!(PictureFormat::of_path(Path::new("a.jpg")).is_err());
+}
+
+#[test]
+fn writing_leaves_only_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("picture.exr");
+    check_writable(&path).expect("writable");
+    assert!(!path.exists(), "a check writes nothing");
+    write_file(&path, b"one").expect("writes");
+    write_file(&path, b"two").expect("replaces");
+    assert_eq!(std::fs::read(&path).expect("reads"), b"two");
+    assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), 1);
+}
+
+#[test]
+fn an_impossible_place_is_told_with_the_remedy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = check_writable(&folder.path().join("no/such/picture.exr")).expect_err("no folder");
+    assert!(missing.to_string().contains("create the folder first"), "{missing}");
+    let a_folder = check_writable(folder.path()).expect_err("a folder");
+    assert!(a_folder.to_string().contains("name a file"), "{a_folder}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_with_the_remedy() {
+    let error = write_file(Path::new("/dev/full"), b"picture").expect_err("/dev/full is always full");
+    assert!(matches!(error, PictureFileError::Write { .. }));
+    assert!(error.to_string().contains("make room"), "{error}");
+}
+
+#[test]
+fn what_is_no_exr_is_told() {
+    let error = decode_exr(b"not a picture").expect_err("no EXR");
+    assert!(error.to_string().contains("OpenEXR"), "{error}");
+}
