@@ -1,6 +1,7 @@
 //! What users read when a scene cannot be imported: every error has its place and a remedy.
 
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{Cursor, Write as _};
 
 use photonfarm::scene::error::{Location, SceneError};
 use photonfarm::scene::geometry::{obj, ply};
@@ -148,4 +149,55 @@ fn malformed_ply() {
     ];
     let borrowed: Vec<(&str, &str)> = cases.iter().map(|(what, text)| (*what, text.as_str())).collect();
     insta::assert_snapshot!(report(&borrowed, |text| ply::read(text.as_bytes(), &place("roof.ply"))));
+}
+
+/// A zip archive of files with a name and a content each.
+fn archive(files: &[(&str, &str)]) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in files {
+        archive.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        archive.write_all(content.as_bytes()).unwrap();
+    }
+    archive.finish().unwrap().into_inner()
+}
+
+#[test]
+fn malformed_archives() {
+    const EMPTY: &str = "<scene version='3.0.0'/>";
+    const SELF: &str = "<scene version='3.0.0'>\n<include filename='scene.xml'/></scene>";
+    const INCLUDER: &str = "<scene version='3.0.0'><include filename='parts/lamp.xml'/></scene>";
+    const CHAIN: &str = "<scene version='3.0.0'><include filename='0.xml'/></scene>";
+    let chain: Vec<(String, String)> =
+        (0..20).map(|i| (format!("{i}.xml"), CHAIN.replace("0.xml", &format!("{}.xml", i + 1)))).collect();
+    let chain: Vec<(&str, &str)> = chain.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+    let cases: [(&str, Vec<(&str, &str)>); 8] = [
+        ("no scene file", vec![("readme.txt", "hello"), ("parts/scene.xml", EMPTY)]),
+        ("several scene files", vec![("a.xml", EMPTY), ("b.json", "{}")]),
+        ("both standard names", vec![("scene.xml", EMPTY), ("scene.json", "{}")]),
+        ("a name that leads out", vec![("scene.xml", EMPTY), ("../lamp.ply", "")]),
+        ("a file that includes itself", vec![("scene.xml", SELF)]),
+        ("a chain of includes", [&[("scene.xml", CHAIN)], &chain[..]].concat()),
+        ("a missing include", vec![("scene.xml", INCLUDER), ("parts/lamps.xml", EMPTY)]),
+        (
+            "an error in an included file",
+            vec![("scene.xml", INCLUDER), ("parts/lamp.xml", "<scene version='3.0.0'>\n<shap/></scene>")],
+        ),
+    ];
+    let mut texts = String::new();
+    for (what, files) in cases {
+        let error = load_bytes("room.zip", &archive(&files), &[]).expect_err(what);
+        writeln!(texts, "{what}\n    {error}").unwrap();
+    }
+    insta::assert_snapshot!(texts);
+}
+
+#[test]
+fn unused_defines() {
+    let defines = [("samples".to_owned(), "4".to_owned())];
+    let cases = [
+        ("another name", "<scene version='3.0.0'><default name='sample' value='1'/></scene>"),
+        ("no parameters", "<scene version='3.0.0'/>"),
+        ("json", "{\"type\": \"scene\"}"),
+    ];
+    insta::assert_snapshot!(report(&cases, |text| load_bytes("room", text.as_bytes(), &defines)));
 }

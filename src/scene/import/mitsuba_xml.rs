@@ -326,10 +326,13 @@ impl Reader<'_> {
             let problem = format!("file \"{name}\" includes itself");
             return Err(SceneError::new(location, problem, "remove this <include>"));
         }
-        if self.open.len() > INCLUDE_DEPTH_LIMIT || self.includes.len() >= INCLUDE_LIMIT {
-            let problem =
-                format!("files include files more than {INCLUDE_DEPTH_LIMIT} deep, or more than {INCLUDE_LIMIT}");
-            return Err(SceneError::new(location, problem, "include fewer files"));
+        if self.open.len() > INCLUDE_DEPTH_LIMIT {
+            let problem = format!("files include files more than {INCLUDE_DEPTH_LIMIT} deep");
+            return Err(SceneError::new(location, problem, "include the innermost files directly"));
+        }
+        if self.includes.len() >= INCLUDE_LIMIT {
+            let problem = format!("the scene includes more than {INCLUDE_LIMIT} files");
+            return Err(SceneError::new(location, problem, "merge some of them"));
         }
         let bytes = self.bundle.read(name, location)?;
         let start = Location { file: name.to_owned(), line: 0, path: location.path.clone() };

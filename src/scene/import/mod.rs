@@ -79,8 +79,9 @@ impl Source {
             return Ok(Self { name: name.to_owned(), text: bytes, bundle: Bundle::empty() });
         }
         let bundle = Bundle::from_zip(&bytes, &location)?;
-        let scene = scene_file(bundle.names().iter().map(String::as_str))
-            .map_err(|problem| SceneError::new(&location, problem, "name the scene file scene.xml or scene.json"))?;
+        let scene = scene_file(bundle.names().iter().map(String::as_str)).map_err(|problem| {
+            SceneError::new(&location, problem, "put one scene.xml or scene.json at the top level")
+        })?;
         let text = bundle.read(&scene, &location)?;
         Ok(Self { name: scene, text, bundle })
     }
