@@ -103,7 +103,7 @@ fn values_and_places_come_out_as_written() {
     let emitter = &root.children[5].node.children[1].node;
     let Value::Rgb([red, green, blue]) = parameter(emitter, "radiance") else { panic!("not a color") };
     assert!(*red == 1.0 && *blue == 0.0 && (green - 0.215_860_5).abs() < 1e-6, "{green}");
-    assert_eq!(emitter.location.to_string(), "scene.xml:24 (scene/shape[1]/emitter[0])");
+    assert_eq!(emitter.location.to_string(), "scene.xml:23 (scene/shape[1]/emitter[0])");
     assert_eq!(emitter.parameters[0].location.path, "scene/shape[1]/emitter[0]/radiance");
     let json = load(JSON).root;
     assert_eq!(json.children[4].node.location.to_string(), "scene.xml (scene/ball)");

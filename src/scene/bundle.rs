@@ -97,7 +97,7 @@ impl Bundle {
             Self::Archive(files) => files.keys().cloned().collect(),
             Self::Folder(folder) => {
                 let mut names = BTreeSet::new();
-                list_folder(folder, "", 0, &mut names);
+                list_folder(folder, "", &mut 4096, &mut names);
                 names
             }
         }
@@ -117,7 +117,7 @@ impl Bundle {
 }
 
 /// `name` with `/` separators and without `.` parts; refused when it is absolute or leads upwards.
-fn checked_name(name: &str, location: &Location) -> Result<String, SceneError> {
+pub(super) fn checked_name(name: &str, location: &Location) -> Result<String, SceneError> {
     let refuse = |problem: &str, remedy: &str| {
         let shown: String = name.chars().take(200).collect();
         Err(SceneError::new(location, format!("file name {shown:?} {problem}"), remedy))
@@ -133,8 +133,9 @@ fn checked_name(name: &str, location: &Location) -> Result<String, SceneError> {
         return refuse("leads upwards", "keep every file in or below the folder of the scene file");
     }
     let parts: Vec<&str> = name.split('/').filter(|part| !part.is_empty() && *part != ".").collect();
-    if parts.is_empty() || name.contains('\0') {
-        return refuse("is not the name of a file", "give the name of a file");
+    // Every place in an included file repeats the file's name: long names would multiply.
+    if parts.is_empty() || name.contains('\0') || name.len() > 1024 {
+        return refuse("is not the name of a file", "give the name of a file, of at most 1024 bytes");
     }
     Ok(parts.join("/"))
 }
@@ -182,7 +183,7 @@ fn read_inside(folder: &Path, path: &Path, name: &str, location: &Location) -> R
 }
 
 /// The bytes of a regular file; nothing when it is larger than 1 GiB.
-fn read_file(path: &Path) -> std::io::Result<Option<Arc<[u8]>>> {
+pub(super) fn read_file(path: &Path) -> std::io::Result<Option<Arc<[u8]>>> {
     // Asked before opening: opening a pipe would wait for a writer.
     if !path.metadata()?.is_file() {
         return Err(std::io::Error::other("not a regular file"));
@@ -200,17 +201,17 @@ fn too_large(name: &str, location: &Location) -> SceneError {
     SceneError::new(location, format!("file \"{name}\" is larger than 1 GiB"), "split or simplify it")
 }
 
-/// Adds the files in and below `folder`; bounded, since it only serves the search for a similar name.
-fn list_folder(folder: &Path, prefix: &str, depth: usize, names: &mut BTreeSet<String>) {
+/// Adds the files in and below `folder`, visiting at most `budget` entries, since it only serves the search for a
+/// similar name.
+fn list_folder(folder: &Path, prefix: &str, budget: &mut usize, names: &mut BTreeSet<String>) {
     let Ok(entries) = folder.read_dir() else { return };
     for entry in entries.flatten() {
         let (Ok(kind), Ok(file_name)) = (entry.file_type(), entry.file_name().into_string()) else { continue };
-        if names.len() >= 4096 {
-            return;
-        }
+        let Some(left) = budget.checked_sub(1) else { return };
+        *budget = left;
         let name = format!("{prefix}{file_name}");
-        if kind.is_dir() && depth < 8 {
-            list_folder(&entry.path(), &format!("{name}/"), depth + 1, names);
+        if kind.is_dir() && prefix.matches('/').count() < 8 {
+            list_folder(&entry.path(), &format!("{name}/"), budget, names);
         } else if !kind.is_dir() {
             names.insert(name);
         }

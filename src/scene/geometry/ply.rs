@@ -1,7 +1,7 @@
 //! Stanford PLY meshes: ASCII, and binary of either byte order.
 //!
 //! Of the vertices x, y, z, nx, ny, nz and u, v (or s, t) are read, of the faces their vertex indices; all other
-//! elements and properties are passed over. Normals and texture coordinates count when all of their components are there.
+//! elements and properties are passed over. The vertices come before the faces. Normals and texture coordinates count when all of their components are there.
 
 mod body;
 mod header;
@@ -29,11 +29,6 @@ pub fn read(bytes: &[u8], location: &Location) -> Result<TriangleMesh, SceneErro
     }
     if mesh.triangles.is_empty() {
         return Err(SceneError::new(location, "the mesh has no faces", "export it with its faces"));
-    }
-    let count = mesh.positions.len();
-    if let Some(index) = mesh.triangles.iter().flatten().find(|index| **index as usize >= count) {
-        let problem = format!("a face refers to vertex {index}, but there are {count} vertices, counted from 0");
-        return Err(SceneError::new(location, problem, "repair the mesh"));
     }
     Ok(mesh)
 }
@@ -104,6 +99,11 @@ fn read_faces(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh) -
         if corners.len() < 3 {
             let problem = format!("face {face} has {} corners", corners.len());
             return Err(body.error(&problem, "a face needs at least three"));
+        }
+        let vertices = mesh.positions.len();
+        if let Some(index) = corners.iter().find(|index| **index as usize >= vertices) {
+            let problem = format!("face {face} refers to vertex {index}, but there are {vertices}, counted from 0");
+            return Err(body.error(&problem, "repair the mesh"));
         }
         mesh.push_polygon(&corners);
     }

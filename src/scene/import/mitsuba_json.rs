@@ -37,6 +37,8 @@ pub(super) fn read(bytes: &[u8], location: &Location, defines: &[(String, String
 }
 
 fn below(place: &Location, key: &str) -> Location {
+    // Cut, since the path of everything inside repeats a key.
+    let key: String = key.chars().take(80).collect();
     Location { path: format!("{}/{key}", place.path), ..place.clone() }
 }
 

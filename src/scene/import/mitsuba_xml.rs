@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use roxmltree::{Document, Node};
+use roxmltree::Node;
 
 use super::super::bundle::Bundle;
 use super::super::description::{Parameter, PluginClass, Value};
@@ -10,7 +10,8 @@ use super::super::error::{Location, SceneError, nearest_name};
 use super::draft::{Alias, Draft, DraftChild, Target};
 use super::substitution::Parameters;
 use super::values::{self, Refusal, shown};
-use super::{DEPTH_LIMIT, plugins, transform};
+use super::xml_element::{Attributes, File, step_matrix};
+use super::{DEPTH_LIMIT, plugins};
 
 /// How deep files may include files, as in Mitsuba.
 const INCLUDE_DEPTH_LIMIT: usize = 15;
@@ -52,44 +53,6 @@ pub(super) fn read(
     Ok((scope.draft, reader.aliases, reader.includes))
 }
 
-/// One file's name and where its lines begin.
-struct File<'a> {
-    name: &'a str,
-    line_starts: Vec<usize>,
-}
-
-impl<'a> File<'a> {
-    fn text<'b>(bytes: &'b [u8], location: &Location) -> Result<&'b str, SceneError> {
-        std::str::from_utf8(bytes).map_err(|error| {
-            let line = 1 + bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count();
-            let place = Location { line: line as u32, ..location.clone() };
-            SceneError::new(&place, "the file is not UTF-8 text", "save it as UTF-8")
-        })
-    }
-
-    fn parse<'b>(text: &'b str, location: &Location) -> Result<Document<'b>, SceneError> {
-        Document::parse(text).map_err(|error| {
-            let place = Location { line: error.pos().row, ..location.clone() };
-            match error {
-                roxmltree::Error::DtdDetected => {
-                    SceneError::new(&place, "the file has a document type (DTD)", "remove the <!DOCTYPE …>")
-                }
-                error => SceneError::new(&place, format!("malformed XML: {error}"), ""),
-            }
-        })
-    }
-
-    fn new(name: &'a str, text: &str) -> Self {
-        let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        Self { name, line_starts: std::iter::once(0).chain(ends.map(|(position, _)| position + 1)).collect() }
-    }
-
-    fn place(&self, node: Node<'_, '_>, path: impl Into<String>) -> Location {
-        let line = self.line_starts.partition_point(|start| *start <= node.range().start);
-        Location { file: self.name.to_owned(), line: line as u32, path: path.into() }
-    }
-}
-
 /// A plugin that is being read.
 struct Scope {
     draft: Draft,
@@ -109,41 +72,6 @@ impl Scope {
         let count = self.counts.entry(tag.to_owned()).or_default();
         *count += 1;
         format!("{}/{tag}[{}]", self.draft.location.path, *count - 1)
-    }
-}
-
-/// The attributes of one element, with `$names` replaced.
-struct Attributes<'a>(Vec<(&'a str, String)>);
-
-impl Attributes<'_> {
-    fn get(&self, name: &str) -> Option<&str> {
-        self.0.iter().find(|(known, _)| *known == name).map(|(_, value)| value.as_str())
-    }
-
-    /// A required attribute: [`Reader::attributes`] made sure that it is there.
-    fn text(&self, name: &str) -> &str {
-        self.get(name).unwrap_or_default()
-    }
-
-    /// Three numbers from `value`, or from x, y and z with a default for those left out.
-    fn triple(&self, default: f64) -> Result<[f64; 3], Refusal> {
-        let axes = ["x", "y", "z"].map(|axis| self.get(axis));
-        match self.get("value") {
-            Some(_) if axes.iter().any(Option::is_some) => {
-                Err(("\"value\" and x, y, z are both given".to_owned(), "give one of them"))
-            }
-            Some(text) => values::triple(text),
-            None if axes.iter().all(Option::is_none) => {
-                Err(("no numbers are given".to_owned(), "write value=\"x, y, z\""))
-            }
-            None => {
-                let mut numbers = [default; 3];
-                for (number, text) in numbers.iter_mut().zip(axes) {
-                    *number = text.map_or(Ok(default), values::float)?;
-                }
-                Ok(numbers)
-            }
-        }
     }
 }
 
@@ -398,10 +326,13 @@ impl Reader<'_> {
             let problem = format!("file \"{name}\" includes itself");
             return Err(SceneError::new(location, problem, "remove this <include>"));
         }
-        if self.open.len() > INCLUDE_DEPTH_LIMIT || self.includes.len() >= INCLUDE_LIMIT {
-            let problem =
-                format!("files include files more than {INCLUDE_DEPTH_LIMIT} deep, or more than {INCLUDE_LIMIT}");
-            return Err(SceneError::new(location, problem, "include fewer files"));
+        if self.open.len() > INCLUDE_DEPTH_LIMIT {
+            let problem = format!("files include files more than {INCLUDE_DEPTH_LIMIT} deep");
+            return Err(SceneError::new(location, problem, "include the innermost files directly"));
+        }
+        if self.includes.len() >= INCLUDE_LIMIT {
+            let problem = format!("the scene includes more than {INCLUDE_LIMIT} files");
+            return Err(SceneError::new(location, problem, "merge some of them"));
         }
         let bytes = self.bundle.read(name, location)?;
         let start = Location { file: name.to_owned(), line: 0, path: location.path.clone() };
@@ -426,24 +357,6 @@ impl Reader<'_> {
 fn parameter_path(element: Node<'_, '_>, scope: &Scope) -> String {
     let name = element.attribute("name").unwrap_or(element.tag_name().name());
     format!("{}/{name}", scope.draft.location.path)
-}
-
-fn step_matrix(tag: &str, attributes: &Attributes<'_>) -> Result<glam::DMat4, Refusal> {
-    let described = |problem: String| (problem, "change the numbers");
-    match tag {
-        "translate" => attributes.triple(0.0).map(transform::translate),
-        "scale" => attributes.triple(1.0).map(transform::scale),
-        "rotate" => {
-            let degrees = values::float(attributes.text("angle"))?;
-            transform::rotate(attributes.triple(0.0)?, degrees).map_err(described)
-        }
-        "lookat" => {
-            let [origin, target, up] = ["origin", "target", "up"].map(|name| values::triple(attributes.text(name)));
-            transform::look_at(origin?, target?, up?).map_err(described)
-        }
-        _ => transform::matrix(&values::floats(attributes.text("value"))?)
-            .map_err(|problem| (problem, "give 16 numbers row by row, or 9")),
-    }
 }
 
 fn unknown_tag(place: &Location, tag: &str) -> SceneError {

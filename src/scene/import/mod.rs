@@ -1,8 +1,8 @@
 //! One file per format, all into the same description.
 //!
-//! A format's reader makes [`draft`] nodes: plugins as they stand in the file, with references by id. [`resolve`] turns
-//! the drafts of every format into the description tree. [`values`] and [`transform`] hold what the formats' values
-//! mean, [`plugins`] the names of all plugins, and [`pack`](mod@pack) makes the bytes that travel over HTTP.
+//! A format's reader makes `draft` nodes: plugins as they stand in the file, with references by id. `resolve` turns the
+//! drafts of every format into the description tree. `values` and `transform` hold what the formats' values mean,
+//! `plugins` the names of all plugins, and `pack` makes the bytes that travel over HTTP.
 
 mod draft;
 mod json_text;
@@ -14,11 +14,12 @@ mod resolve;
 mod substitution;
 mod transform;
 mod values;
+mod xml_element;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use super::bundle::Bundle;
+use super::bundle::{Bundle, read_file};
 use super::description::SceneDescription;
 use super::error::{Location, SceneError};
 use draft::Draft;
@@ -78,8 +79,9 @@ impl Source {
             return Ok(Self { name: name.to_owned(), text: bytes, bundle: Bundle::empty() });
         }
         let bundle = Bundle::from_zip(&bytes, &location)?;
-        let scene = scene_file(bundle.names().iter().map(String::as_str))
-            .map_err(|problem| SceneError::new(&location, problem, "name the scene file scene.xml or scene.json"))?;
+        let scene = scene_file(bundle.names().iter().map(String::as_str)).map_err(|problem| {
+            SceneError::new(&location, problem, "put one scene.xml or scene.json at the top level")
+        })?;
         let text = bundle.read(&scene, &location)?;
         Ok(Self { name: scene, text, bundle })
     }
@@ -107,9 +109,9 @@ fn read_source(path: &Path) -> Result<Source, SceneError> {
         let problem = if path.exists() { "this is not a file" } else { "there is no such file" };
         return Err(SceneError::new(&location, problem, "give the name of a scene file"));
     }
-    let bytes: Arc<[u8]> = std::fs::read(path)
+    let bytes = read_file(path)
         .map_err(|error| SceneError::new(&location, format!("the file cannot be read: {error}"), ""))?
-        .into();
+        .ok_or_else(|| SceneError::new(&location, "the file is larger than 1 GiB", "split it"))?;
     if format(&bytes, &location)? == Format::Zip {
         return Source::from_bytes(&name, bytes);
     }

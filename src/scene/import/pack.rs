@@ -8,7 +8,7 @@ use std::sync::Arc;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::super::bundle::Bundle;
+use super::super::bundle::{Bundle, checked_name};
 use super::super::error::{Location, SceneError};
 use super::{Format, Source, format, read_source, scene_file};
 
@@ -25,7 +25,7 @@ pub fn pack(path: &Path, defines: &[(String, String)]) -> Result<Vec<u8>, SceneE
     let imported = source.import(defines)?;
     let mut files = BTreeMap::new();
     for (name, location) in &imported.files {
-        files.insert(plain(name), source.bundle.read(name, location)?);
+        files.insert(checked_name(name, location)?, source.bundle.read(name, location)?);
     }
     if let Bundle::Archive(_) = source.bundle {
         // An archive is what was asked for already, and all that it refers to is inside.
@@ -41,11 +41,6 @@ pub fn pack(path: &Path, defines: &[(String, String)]) -> Result<Vec<u8>, SceneE
     files.insert(name_in_archive(&source, &files, &location)?, source.text.clone());
     write_zip(&files)
         .map_err(|error| SceneError::new(&location, format!("the scene cannot be packed: {error}"), "pack it by hand"))
-}
-
-/// The name without `.` parts, as archives hold it.
-fn plain(name: &str) -> String {
-    name.split('/').filter(|part| !part.is_empty() && *part != ".").collect::<Vec<_>>().join("/")
 }
 
 /// The scene file's own name if loading would find the scene under it, else `scene.xml` or `scene.json`.

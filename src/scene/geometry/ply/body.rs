@@ -122,7 +122,7 @@ impl<'a> Body<'a> {
         let length = self.scalar(count)?;
         let least = if self.encoding == Encoding::Ascii { 2 } else { item.size() };
         let available = (self.remaining() + 1) / least;
-        if length < 0.0 || length.fract() != 0.0 || !(length <= available as f64) {
+        if !(0.0..=available as f64).contains(&length) || length.fract() != 0.0 {
             let problem = format!("a list of {length} numbers, where the rest of the file has room for {available}");
             return Err(self.error(&problem, "the file is cut short or damaged: copy it again"));
         }
