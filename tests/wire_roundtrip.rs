@@ -1,0 +1,149 @@
+//! The workers' protocol: what is written is what is read, and hostile bytes are refused without harm.
+
+use photonfarm::estimate::{PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
+use photonfarm::farm::lease::Work;
+use photonfarm::farm::plan::Plan;
+use photonfarm::farm::wire::lease::{JobDescription, decode_lease, encode_lease};
+use photonfarm::farm::wire::messages;
+use photonfarm::farm::wire::planes;
+use photonfarm::farm::wire::radius;
+use photonfarm::farm::wire::result::{decode_checked_tally, decode_pilot, decode_tally, encode_pilot, encode_tally};
+use photonfarm::method::{CheckedMethod, MethodChoice};
+use photonfarm::render::Pilot;
+use proptest::prelude::*;
+use prost::Message;
+
+const REGION: Region = Region { row_start: 1, row_end: 3 };
+const SHARD: Shard = Shard { first_pass: 5, passes: 2, region: REGION };
+
+fn tally() -> Tally {
+    let pixel = |index: usize| PixelTally {
+        radiance: [index as f32, 0.5, -0.0],
+        flux: [1e-30, 3.0e7, 1.0 / 3.0],
+        photons: index as f32 * 1.5,
+    };
+    let pixels = (0..REGION.pixel_count(700)).map(pixel).collect();
+    Tally { pixels, photons_emitted: 9, photons_stored: 8, rays: 7, non_finite: 6, ..Tally::zero(SHARD, 700) }
+}
+
+fn job() -> JobDescription {
+    let choice = MethodChoice { name: "sppm".into(), parameters: serde_json::Map::from_iter([("a".into(), 1.into())]) };
+    let method = CheckedMethod {
+        choice,
+        radius_rule: RadiusRule::Statistics,
+        alpha: 2.0 / 3.0,
+        photons_per_pass: 1000,
+        passes: 64,
+    };
+    JobDescription { id: "job-1".into(), scene: "ab".repeat(32), method, seed: u64::MAX, width: 64, height: 64 }
+}
+
+#[test]
+fn tallies_keep_every_bit() {
+    let tally = tally();
+    let message = messages::Tally::decode(&encode_tally(&tally).encode_to_vec()[..]).expect("just encoded");
+    let read = decode_checked_tally(&message, SHARD, 700).expect("just encoded");
+    assert_eq!(read, tally);
+    assert_eq!(read.pixels[0].radiance[2].to_bits(), (-0.0f32).to_bits());
+}
+
+#[test]
+fn radius_fields_and_pilots_keep_every_bit() {
+    let field = RadiusField {
+        radius_squared: (1..=1400).map(|index| 1.0 / index as f32).collect(),
+        base_pass: 12,
+        typical_radius_squared: 0.25,
+    };
+    assert_eq!(radius::decode(&radius::encode(&field), 1400), Ok(field.clone()));
+    let pilot = Pilot { radius_squared: field.radius_squared, cost_per_pass: 77 };
+    assert_eq!(decode_pilot(&encode_pilot(&pilot), 1400), Ok(pilot));
+}
+
+#[test]
+fn leases_say_what_to_trace() {
+    let planned = Plan::new(64, 64, 1000, None, RadiusRule::Statistics).shard(100).expect("endless");
+    let read = decode_lease(encode_lease(3, 4, &job(), Work::Shard(100, planned))).expect("just encoded");
+    assert_eq!((read.id, read.fencing, read.job, read.work), (3, 4, job(), Some(planned)));
+    assert_eq!(decode_lease(encode_lease(3, 4, &job(), Work::Pilot)).expect("just encoded").work, None);
+}
+
+#[test]
+fn a_result_that_does_not_fit_its_shard_is_refused() {
+    let message = encode_tally(&tally());
+    assert!(decode_tally(&message, SHARD, 701).is_err(), "another width");
+    let other = Shard { region: Region { row_start: 0, row_end: 1 }, ..SHARD };
+    assert!(decode_tally(&message, other, 700).is_err(), "another region");
+    for (wrong, text) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-1.0, "-1")] {
+        let mut tally = tally();
+        tally.pixels[17].photons = wrong;
+        let problem = decode_checked_tally(&encode_tally(&tally), SHARD, 700).expect_err("an impossible value");
+        assert!(problem.to_string().contains(text) && problem.to_string().contains("pixel 17"), "{problem}");
+    }
+}
+
+#[test]
+fn impossible_radii_are_refused() {
+    for wrong in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(radius::decode_radii(&radius::encode_radii(&[1.0, wrong]), 2).is_err(), "{wrong}");
+    }
+    assert!(decode_pilot(&encode_pilot(&Pilot { radius_squared: vec![1.0], cost_per_pass: 0 }), 1).is_err());
+}
+
+#[test]
+fn impossible_leases_are_refused() {
+    let planned = Plan::new(64, 64, 1000, None, RadiusRule::Statistics).shard(1).expect("endless");
+    let good = encode_lease(1, 1, &job(), Work::Shard(1, planned));
+    let broken = |spoil: &dyn Fn(&mut messages::ShardWork)| {
+        let mut message = good.clone();
+        if let Some(messages::lease::Work::Shard(shard)) = message.work.as_mut() {
+            spoil(shard);
+        }
+        decode_lease(message).is_err()
+    };
+    assert!(broken(&|shard| shard.row_end = 65));
+    assert!(broken(&|shard| shard.row_end = shard.row_start));
+    assert!(broken(&|shard| shard.passes = 0));
+    assert!(broken(&|shard| (shard.first_pass, shard.passes) = (u32::MAX, 2)));
+    assert!(decode_lease(messages::Lease { job: None, ..good.clone() }).is_err());
+    assert!(decode_lease(messages::Lease { work: None, ..good }).is_err());
+}
+
+/// A few bytes that claim to be a large picture are refused before memory is spent on it.
+#[test]
+fn a_short_message_does_not_become_a_large_allocation() {
+    assert!(planes::decompress::<7>(&[0; 100], usize::MAX / 1000).is_err());
+    assert!(planes::decompress::<1>(&[], 1).is_err());
+}
+
+proptest! {
+    #[test]
+    fn planes_are_exact_for_any_count(bits in prop::collection::vec(prop::array::uniform7(any::<u32>()), 0..3000)) {
+        let records: Vec<[f32; 7]> = bits.iter().map(|record| record.map(f32::from_bits)).collect();
+        let read = planes::decompress::<7>(&planes::compress(&records), records.len()).expect("just compressed");
+        let read: Vec<[u32; 7]> = read.iter().map(|record| record.map(f32::to_bits)).collect();
+        prop_assert_eq!(read, bits);
+    }
+
+    #[test]
+    fn hostile_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..2000), count in 0usize..5000) {
+        let _ = planes::decompress::<7>(&bytes, count);
+        let _ = radius::decode_radii(&bytes, count);
+        let _ = messages::ResultRequest::decode(&bytes[..]);
+        if let Ok(message) = messages::Lease::decode(&bytes[..]) {
+            let _ = decode_lease(message);
+        }
+        if let Ok(message) = messages::Tally::decode(&bytes[..]) {
+            let _ = decode_checked_tally(&message, SHARD, 700);
+        }
+    }
+
+    #[test]
+    fn a_damaged_tally_never_panics(position in 0usize..1000, value in any::<u8>()) {
+        let mut bytes = encode_tally(&tally()).encode_to_vec();
+        let position = position % bytes.len();
+        bytes[position] = value;
+        if let Ok(message) = messages::Tally::decode(&bytes[..]) {
+            let _ = decode_checked_tally(&message, SHARD, 700);
+        }
+    }
+}
