@@ -95,22 +95,24 @@ impl Client {
 
     /// Follows a job until it has ended; `show` sees every status on the way. Short outages are waited out.
     pub(super) async fn follow(&self, id: &str, mut show: impl FnMut(&JobStatus)) -> Result<JobStatus, CliError> {
-        let mut failures = 0;
+        // An address where nobody was ever heard is an error at once.
+        let mut failures = RECONNECTS;
         loop {
-            let ended = self.follow_stream(id, |status| {
+            let stream = self.follow_stream(id, |status| {
                 failures = 0;
                 show(status);
             });
-            match ended.await {
+            match stream.await {
                 Ok(Some(status)) => return Ok(status),
-                Err(error) if !matches!(error, CliError::Unreachable(_)) || failures >= RECONNECTS => {
-                    return Err(error);
+                Ok(None) if failures >= RECONNECTS => {
+                    let text = format!("{} ends the events of job {id} too early; try again", self.base);
+                    return Err(CliError::Unreachable(text));
                 }
-                _ => failures += 1,
+                Err(CliError::Unreachable(_)) if failures < RECONNECTS => {}
+                Err(error) => return Err(error),
+                Ok(None) => {}
             }
-            if failures > RECONNECTS {
-                return Err(CliError::Unreachable(format!("{} ends the events of job {id} too early", self.base)));
-            }
+            failures += 1;
             tokio::time::sleep(RECONNECT_PAUSE).await;
         }
     }

@@ -8,6 +8,7 @@ mod fetch;
 mod job_options;
 mod jobs;
 mod local_farm;
+mod methods;
 mod outputs;
 mod processor;
 mod progress;
@@ -57,6 +58,8 @@ enum Command {
     Cancel(cancel::Cancel),
     /// List a coordinator's jobs.
     Jobs(jobs::Jobs),
+    /// List the methods with their parameters.
+    Methods(methods::Methods),
     /// Measure how far a picture is from a reference.
     Compare(compare::Compare),
 }
@@ -88,6 +91,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Fetch(command) => in_runtime(command.run()),
         Command::Cancel(command) => in_runtime(command.run()),
         Command::Jobs(command) => in_runtime(command.run()),
+        Command::Methods(command) => command.run(),
         Command::Compare(command) => command.run(),
     }
 }
