@@ -1,13 +1,28 @@
-//! The coordinator as its callers see it: scenes in, jobs in, status and pictures out.
+//! The coordinator: the [schedule](super::schedule) with a clock, locks and threads round it.
+//!
+//! Callers hold a [`CoordinatorHandle`]. One mutex guards the schedule and is only held for bookkeeping. Each job has a
+//! second one for its [merge state](super::merging), held by blocking threads that decode and add. Where both are
+//! needed the merge state is locked first.
 
-use std::sync::Arc;
-use std::time::Duration;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use tokio::sync::watch;
+use tokio_util::sync::CancellationToken;
 
 use super::error::FarmError;
-use super::job::{JobRequest, JobStatus, WorkerStatus};
+use super::job::{JobRequest, JobState, JobStatus, StopRule, WorkerStatus};
+use super::merging::Merging;
+use super::request;
+use super::schedule::Schedule;
+use super::wire::lease::JobDescription;
 use crate::estimate::Picture;
+use crate::scene::error::SceneError;
+use crate::scene::{Integrator, Scene};
+
+/// How often time passes for the schedule.
+const TICK: Duration = Duration::from_millis(200);
 
 /// What a coordinator may be told.
 #[derive(Clone, Debug)]
@@ -57,86 +72,367 @@ pub struct Layers {
 
 /// The door to a running coordinator. Cheap to clone; all clones speak to the same one.
 #[derive(Clone)]
-pub struct CoordinatorHandle {}
+pub struct CoordinatorHandle {
+    pub(super) shared: Arc<Shared>,
+}
+
+/// What all clones of a handle share.
+pub(super) struct Shared {
+    pub(super) options: CoordinatorOptions,
+    started: Instant,
+    state: Mutex<State>,
+    /// Rises whenever a waiting worker should ask again.
+    pub(super) work: watch::Sender<u64>,
+    stopped: CancellationToken,
+    /// Uploads and results under way.
+    pub(super) busy: tokio_util::task::TaskTracker,
+}
+
+/// What the state mutex guards.
+pub(super) struct State {
+    pub(super) schedule: Schedule,
+    pub(super) jobs: BTreeMap<u64, Arc<JobRecord>>,
+    scenes: HashMap<String, Arc<SceneRecord>>,
+    is_closed: bool,
+}
+
+struct SceneRecord {
+    summary: SceneSummary,
+    integrator: Option<Integrator>,
+    bytes: Arc<[u8]>,
+}
+
+/// A job beside its schedule.
+pub(super) struct JobRecord {
+    pub(super) number: u64,
+    pub(super) description: JobDescription,
+    pub(super) stop: StopRule,
+    pub(super) merging: Mutex<Option<Merging>>,
+    status: watch::Sender<JobStatus>,
+}
+
+/// Locks, also after a panic elsewhere: what a mutex here guards is consistent between statements.
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Runs `work` on a thread that may block.
+pub(super) async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, FarmError> + Send + 'static,
+) -> Result<T, FarmError> {
+    match tokio::task::spawn_blocking(work).await {
+        Ok(result) => result,
+        Err(problem) => {
+            tracing::error!(%problem, "the coordinator's own work failed");
+            Err(FarmError::Internal(problem.to_string()))
+        }
+    }
+}
 
 impl CoordinatorHandle {
     /// Starts a coordinator without scenes, jobs and workers. Must be called inside a tokio runtime.
     pub fn start(options: CoordinatorOptions) -> Self {
-        let _ = options;
-        todo!("lands with the coordinator")
+        // Ids that rise from one run to the next: a worker of an earlier run is not taken for one of this.
+        let first_id = SystemTime::now().duration_since(UNIX_EPOCH).map_or(1, |since| since.as_micros() as u64);
+        let state = State {
+            schedule: Schedule::new(options.lease_duration, first_id),
+            jobs: BTreeMap::new(),
+            scenes: HashMap::new(),
+            is_closed: false,
+        };
+        let shared = Shared {
+            options,
+            started: Instant::now(),
+            state: Mutex::new(state),
+            work: watch::Sender::new(0),
+            stopped: CancellationToken::new(),
+            busy: tokio_util::task::TaskTracker::new(),
+        };
+        let shared = Arc::new(shared);
+        tokio::spawn(keep_time(Arc::downgrade(&shared), shared.stopped.clone()));
+        Self { shared }
     }
 
     /// Checks and keeps a scene: XML or JSON that stands alone, or a zip archive. The same bytes again cost nothing.
     pub async fn add_scene(&self, bytes: Vec<u8>) -> Result<SceneSummary, FarmError> {
-        let _ = bytes;
-        todo!("lands with the coordinator")
+        let (found, limit) = (bytes.len() as u64, self.shared.options.max_scene_bytes);
+        if found > limit {
+            return Err(FarmError::TooLarge { what: "the scene's size in bytes", found, limit });
+        }
+        let shared = self.shared.clone();
+        blocking(move || shared.add_scene(bytes)).await
     }
 
     /// What is known of an uploaded scene.
     pub fn scene(&self, hash: &str) -> Result<SceneSummary, FarmError> {
-        let _ = hash;
-        todo!("lands with the coordinator")
+        self.shared.scene(hash).map(|scene| scene.summary.clone())
     }
 
     /// The bytes of an uploaded scene, as they came.
     pub fn scene_bytes(&self, hash: &str) -> Result<Arc<[u8]>, FarmError> {
-        let _ = hash;
-        todo!("lands with the coordinator")
+        self.shared.scene(hash).map(|scene| scene.bytes.clone())
     }
 
     /// Checks a request and queues the job; answers its id.
     pub async fn submit(&self, request: JobRequest) -> Result<String, FarmError> {
-        let _ = request;
-        todo!("lands with the coordinator")
+        self.shared.submit(&request)
     }
 
     /// All jobs, oldest first.
     pub fn jobs(&self) -> Vec<JobStatus> {
-        todo!("lands with the coordinator")
+        let state = self.shared.lock();
+        state.jobs.values().map(|job| state.status(job, self.shared.now())).collect()
     }
 
     /// How a job is doing now.
     pub fn job(&self, id: &str) -> Result<JobStatus, FarmError> {
-        let _ = id;
-        todo!("lands with the coordinator")
+        let job = self.shared.job(id)?;
+        Ok(self.shared.lock().status(&job, self.shared.now()))
     }
 
     /// A job's status as it changes. The last value stays readable after the job has ended.
     pub fn watch(&self, id: &str) -> Result<watch::Receiver<JobStatus>, FarmError> {
-        let _ = id;
-        todo!("lands with the coordinator")
+        Ok(self.shared.job(id)?.status.subscribe())
     }
 
     /// The picture as merged so far, and the status that belongs to it.
     pub async fn picture(&self, id: &str) -> Result<(Picture, JobStatus), FarmError> {
-        let _ = id;
-        todo!("lands with the coordinator")
+        let (shared, job) = (self.shared.clone(), self.shared.job(id)?);
+        blocking(move || {
+            job.with_merged(|merging| {
+                let status = shared.lock().status(&job, shared.now());
+                (merging.estimate.picture(), status)
+            })
+        })
+        .await
     }
 
     /// Radius and photon count per pixel as merged so far.
     pub async fn layers(&self, id: &str) -> Result<Layers, FarmError> {
-        let _ = id;
-        todo!("lands with the coordinator")
+        let job = self.shared.job(id)?;
+        blocking(move || job.with_merged(|merging| layers(&merging.estimate))).await
     }
 
     /// Stops a job and keeps its picture. A job that has ended already stays as it is.
     pub fn cancel(&self, id: &str) -> Result<JobStatus, FarmError> {
-        let _ = id;
-        todo!("lands with the coordinator")
+        let job = self.shared.job(id)?;
+        self.shared.change(|schedule, now| schedule.cancel(now, job.number));
+        self.job(id)
     }
 
-    /// All workers that are registered, by name.
+    /// All workers that are registered, in the order in which they came.
     pub fn workers(&self) -> Vec<WorkerStatus> {
-        todo!("lands with the coordinator")
+        let (state, now) = (self.shared.lock(), self.shared.now());
+        state.workers(now)
     }
 
     /// Takes no new jobs and gives no new leases; shards that are being traced may finish.
     pub fn drain(&self) {
-        todo!("lands with the coordinator")
+        self.shared.lock().is_closed = true;
+        self.shared.change(|schedule, _| schedule.drain());
     }
 
     /// Drains and returns when every tally that arrived has been merged. Waiting requests are answered.
     pub async fn shutdown(&self) {
-        todo!("lands with the coordinator")
+        self.drain();
+        self.shared.busy.close();
+        self.shared.busy.wait().await;
+        self.shared.stopped.cancel();
+    }
+}
+
+impl Shared {
+    /// Time since start.
+    pub(super) fn now(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, State> {
+        lock(&self.state)
+    }
+
+    /// Lets `event` happen to the schedule, then tells whoever watches jobs or waits for work.
+    pub(super) fn change<T>(&self, event: impl FnOnce(&mut Schedule, Duration) -> T) -> T {
+        let mut state = self.lock();
+        let now = self.now();
+        let answer = event(&mut state.schedule, now);
+        let changed = state.schedule.take_changed();
+        for job in changed.iter().filter_map(|number| state.jobs.get(number)) {
+            job.status.send_replace(state.status(job, now));
+        }
+        drop(state);
+        if !changed.is_empty() {
+            self.work.send_modify(|version| *version += 1);
+        }
+        answer
+    }
+
+    fn scene(&self, hash: &str) -> Result<Arc<SceneRecord>, FarmError> {
+        self.lock().scenes.get(hash).cloned().ok_or_else(|| FarmError::UnknownScene(hash.to_owned()))
+    }
+
+    /// The job with this id.
+    pub(super) fn job(&self, id: &str) -> Result<Arc<JobRecord>, FarmError> {
+        let number = id.strip_prefix("job-").and_then(|number| number.parse().ok()).unwrap_or(0);
+        let job = self.lock().jobs.get(&number).cloned();
+        job.filter(|job| job.description.id == id).ok_or_else(|| FarmError::UnknownJob(id.to_owned()))
+    }
+
+    fn add_scene(&self, bytes: Vec<u8>) -> Result<SceneSummary, FarmError> {
+        let hash = blake3::hash(&bytes).to_hex().to_string();
+        if let Ok(known) = self.scene(&hash) {
+            return Ok(known.summary.clone());
+        }
+        let scene = prepare_scene(&bytes)?;
+        let (found, limit) = (u64::from(scene.width) * u64::from(scene.height), self.options.max_pixels);
+        if found > limit {
+            return Err(FarmError::TooLarge { what: "the picture's size in pixels", found, limit });
+        }
+        let summary = SceneSummary {
+            hash: hash.clone(),
+            width: scene.width,
+            height: scene.height,
+            integrator: scene.integrator.as_ref().map(|integrator| integrator.name.clone()),
+            notices: scene.notices.clone(),
+        };
+        tracing::info!(scene = hash, width = summary.width, height = summary.height, "scene added");
+        let record =
+            SceneRecord { summary: summary.clone(), integrator: scene.integrator.clone(), bytes: bytes.into() };
+        self.lock().scenes.insert(hash, Arc::new(record));
+        Ok(summary)
+    }
+
+    fn submit(&self, request: &JobRequest) -> Result<String, FarmError> {
+        let scene = self.scene(&request.scene)?;
+        let (width, height) = (scene.summary.width, scene.summary.height);
+        let pixels = u64::from(width) * u64::from(height);
+        let resolved = request::resolve_method(request, scene.integrator.as_ref(), pixels)?;
+        let stop = request::resolve_stop(request.stop, &resolved.method)?;
+        let notices = scene.summary.notices.iter().cloned().chain(resolved.notices).collect();
+        let mut state = self.lock();
+        if state.is_closed {
+            return Err(FarmError::ShuttingDown);
+        }
+        let number = state.jobs.len() as u64 + 1;
+        let id = format!("job-{number}");
+        let description = JobDescription {
+            id: id.clone(),
+            scene: request.scene.clone(),
+            method: resolved.method,
+            seed: request.seed,
+            width,
+            height,
+        };
+        tracing::info!(job = id, scene = request.scene, method = description.method.choice.name, "job queued");
+        state.schedule.add_job(number, stop, notices);
+        let status = watch::Sender::new(description.status(stop));
+        let job = JobRecord { number, description, stop, merging: Mutex::new(None), status };
+        state.jobs.insert(number, Arc::new(job));
+        drop(state);
+        self.change(|_, _| ());
+        Ok(id)
+    }
+}
+
+impl State {
+    /// How a job is doing at `now`.
+    fn status(&self, job: &JobRecord, now: Duration) -> JobStatus {
+        let status = job.description.status(job.stop);
+        let Some(progress) = self.schedule.job(job.number) else { return status };
+        let seconds = progress.seconds(now);
+        let totals = progress.totals;
+        let mut workers: Vec<u64> = self.schedule.leases().of_job(job.number).map(|lease| lease.worker).collect();
+        workers.sort_unstable();
+        workers.dedup();
+        JobStatus {
+            state: progress.state,
+            error: progress.error.clone(),
+            passes_done: totals.passes,
+            photons_emitted: totals.photons_emitted,
+            photons_per_second: if seconds > 0.0 { totals.photons_emitted as f64 / seconds } else { 0.0 },
+            seconds,
+            seconds_left: progress.seconds_left(now),
+            workers: workers.len() as u32,
+            non_finite: totals.non_finite,
+            notices: progress.notices.clone(),
+            picture_version: totals.shards,
+            ..status
+        }
+    }
+
+    fn workers(&self, now: Duration) -> Vec<WorkerStatus> {
+        let status = |(id, worker): (u64, &super::roster::WorkerRecord)| WorkerStatus {
+            id: id.to_string(),
+            name: worker.name.clone(),
+            threads: worker.threads,
+            shards_done: worker.shards_done,
+            leases: self.schedule.leases().of_worker(id).count() as u32,
+            idle_seconds: now.saturating_sub(worker.last_heard).as_secs_f64(),
+            set_aside: worker.set_aside(now).map(str::to_owned),
+        };
+        self.schedule.roster().iter().map(status).collect()
+    }
+}
+
+impl JobRecord {
+    /// Reads the merge state, once something has been merged.
+    fn with_merged<T>(&self, read: impl FnOnce(&Merging) -> T) -> Result<T, FarmError> {
+        let merging = lock(&self.merging);
+        let merged = merging.as_ref().filter(|merging| merging.totals().shards > 0);
+        merged.map(read).ok_or_else(|| FarmError::NoPictureYet(self.description.id.clone()))
+    }
+}
+
+impl JobDescription {
+    /// The status of a job of which nothing is known but what was asked for.
+    fn status(&self, stop: StopRule) -> JobStatus {
+        JobStatus {
+            id: self.id.clone(),
+            state: JobState::Queued,
+            error: None,
+            scene: self.scene.clone(),
+            method: self.method.choice.name.clone(),
+            parameters: self.method.choice.parameters.clone(),
+            stop,
+            seed: self.seed,
+            width: self.width,
+            height: self.height,
+            passes_done: 0,
+            passes_total: stop.passes,
+            photons_emitted: 0,
+            photons_per_second: 0.0,
+            seconds: 0.0,
+            seconds_left: stop.seconds,
+            workers: 0,
+            non_finite: 0,
+            notices: Vec::new(),
+            picture_version: 0,
+        }
+    }
+}
+
+/// From the bytes of an upload to a scene that can be rendered. Coordinator and workers read scenes alike.
+pub(super) fn prepare_scene(bytes: &[u8]) -> Result<Scene, SceneError> {
+    let description = crate::scene::import::load_bytes("scene", bytes, &[])?;
+    Scene::prepare(&description)
+}
+
+fn layers(estimate: &crate::estimate::Estimate) -> Layers {
+    Layers {
+        width: estimate.width,
+        height: estimate.height,
+        radius: estimate.pixels.iter().map(|pixel| pixel.radius_squared.sqrt() as f32).collect(),
+        photons: estimate.pixels.iter().map(|pixel| pixel.photons as f32).collect(),
+    }
+}
+
+/// Lets time pass until the coordinator is stopped or dropped.
+async fn keep_time(shared: std::sync::Weak<Shared>, stopped: CancellationToken) {
+    let mut interval = tokio::time::interval(TICK);
+    while stopped.run_until_cancelled(interval.tick()).await.is_some() {
+        match shared.upgrade() {
+            Some(shared) => shared.change(|schedule, now| schedule.tick(now)),
+            None => return,
+        }
     }
 }

@@ -1,10 +1,13 @@
 //! One picture on many machines: jobs, schedule, coordinator, workers, wire.
 pub mod coordinator;
+mod delivery;
 pub mod error;
 pub mod job;
 pub mod lease;
+pub mod merging;
 pub mod plan;
 pub mod progress;
+pub mod request;
 pub mod roster;
 pub mod schedule;
 pub mod server;

@@ -1,6 +1,22 @@
 //! A worker: leases shards, traces them, sends tallies.
 
+mod cache;
+mod client;
+mod pool;
+mod session;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use prost::Message;
+use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
+
+use super::wire;
+use super::wire::messages::{RegisterRequest, RegisterResponse};
+use client::{Backoff, CallError, Client};
+use pool::RenderPool;
+use session::{MESSAGE_TIMEOUT, Session, SessionEnd};
 
 /// What a worker is told.
 #[derive(Clone, Debug)]
@@ -36,6 +52,55 @@ pub enum WorkerError {
 ///
 /// On shutdown the shard in hand is given back, so that another worker gets it at once.
 pub async fn run_worker(options: WorkerOptions, shutdown: CancellationToken) -> Result<(), WorkerError> {
-    let _ = (options, shutdown);
-    todo!("lands with the worker")
+    if options.threads == 0 {
+        return Err(WorkerError::Start("0 rendering threads were asked for; give at least 1".to_owned()));
+    }
+    let client = Client::new(&options.coordinator)?;
+    let pool = Arc::new(RenderPool::new(options.threads)?);
+    loop {
+        let registered = shutdown.run_until_cancelled(register(&client, &options)).await;
+        let Some(registered) = registered.transpose()? else { return Ok(()) };
+        let lease_duration = Duration::from_millis(u64::from(registered.lease_milliseconds.max(1)));
+        let (client, name) = (client.clone(), options.name.clone());
+        let session = Session::new(client, name, registered.worker, lease_duration, pool.clone());
+        match session.run(&shutdown).await {
+            SessionEnd::Shutdown => return Ok(()),
+            SessionEnd::Forgotten => tracing::warn!("the coordinator forgot this worker; registering again"),
+        }
+    }
+}
+
+/// Registers, for as long as it takes to reach the coordinator.
+async fn register(client: &Client, options: &WorkerOptions) -> Result<RegisterResponse, WorkerError> {
+    let request = RegisterRequest {
+        name: options.name.clone(),
+        threads: u32::try_from(options.threads).unwrap_or(u32::MAX),
+        build: wire::BUILD.to_owned(),
+        features: target_features(),
+    };
+    let message: axum::body::Bytes = request.encode_to_vec().into();
+    let mut backoff = Backoff::new(&options.name);
+    loop {
+        match client.post("register", message.clone(), MESSAGE_TIMEOUT).await {
+            Ok(registered) => return Ok(registered),
+            Err(CallError::Status(status, problem)) if status.is_client_error() => {
+                return Err(WorkerError::Refused(problem));
+            }
+            Err(problem) => {
+                tracing::warn!(coordinator = options.coordinator, %problem, "cannot register; trying again");
+                sleep(backoff.next_pause()).await;
+            }
+        }
+    }
+}
+
+/// The processor features that the program was compiled for, as far as they matter to speed.
+fn target_features() -> String {
+    let features = [
+        (cfg!(target_feature = "avx2"), "avx2"),
+        (cfg!(target_feature = "fma"), "fma"),
+        (cfg!(target_feature = "avx512f"), "avx512f"),
+        (cfg!(target_feature = "neon"), "neon"),
+    ];
+    features.iter().filter(|(is_on, _)| *is_on).map(|(_, name)| *name).collect::<Vec<_>>().join(" ")
 }

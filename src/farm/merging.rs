@@ -1,0 +1,108 @@
+//! A job's tallies on their way into its estimate: in shard order, each once, with the radii they were traced with.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use axum::body::Bytes;
+use prost::Message;
+
+use super::plan::Plan;
+use super::progress::MergedTotals;
+use super::wire::{messages, radius, result};
+use crate::estimate::{Estimate, RadiusField, RadiusRule, Tally};
+use crate::render::Pilot;
+
+/// A radius field, as it is merged with and as it travels.
+struct Field {
+    field: RadiusField,
+    message: Bytes,
+}
+
+/// The merge state of a job whose pilot is done.
+pub struct Merging {
+    /// The job's cut.
+    pub plan: Plan,
+    /// What is merged.
+    pub estimate: Estimate,
+    /// Shards merged.
+    merged: u64,
+    /// Early tallies, as they came: compressed, and checked.
+    waiting: BTreeMap<u64, messages::Tally>,
+    /// By field epoch, then region.
+    fields: BTreeMap<(u32, u32), Arc<Field>>,
+}
+
+impl Merging {
+    /// Starts from the pilot's radii.
+    pub fn new(width: u32, height: u32, pilot: &Pilot, passes: Option<u32>, rule: RadiusRule, alpha: f64) -> Self {
+        let plan = Plan::new(width, height, pilot.cost_per_pass, passes, rule);
+        let estimate = Estimate::new(width, height, &plan.regions, &pilot.radius_squared, rule, alpha);
+        let mut merging = Self { plan, estimate, merged: 0, waiting: BTreeMap::new(), fields: BTreeMap::new() };
+        merging.take_fields(0);
+        merging
+    }
+
+    /// Takes the tally of shard `index`, then merges all that is in turn. `message` is the same tally as it came.
+    ///
+    /// # Errors
+    /// A fault of the coordinator, since tallies and order were checked before: the job cannot go on.
+    pub fn add(&mut self, index: u64, tally: &Tally, message: messages::Tally) -> Result<(), String> {
+        if index != self.merged {
+            self.waiting.insert(index, message);
+            return Ok(());
+        }
+        self.merge(tally)?;
+        while let Some(message) = self.waiting.remove(&self.merged) {
+            let planned = self.plan.shard(self.merged).ok_or("a shard past the end of the job")?;
+            let tally = result::decode_tally(&message, planned.shard, self.plan.width).map_err(|e| e.to_string())?;
+            self.merge(&tally)?;
+        }
+        Ok(())
+    }
+
+    fn merge(&mut self, tally: &Tally) -> Result<(), String> {
+        let planned = self.plan.shard(self.merged).ok_or("a shard past the end of the job")?;
+        let key = (planned.field_epoch, planned.region);
+        let field = self.fields.get(&key).ok_or("a radius field that was dropped too early")?;
+        self.estimate.merge(tally, &field.field).map_err(|problem| problem.to_string())?;
+        self.merged += 1;
+        let next_epoch = self.plan.epoch_of(self.merged);
+        if next_epoch > self.plan.epoch_of(self.merged - 1) {
+            self.begin_epoch(next_epoch);
+        }
+        Ok(())
+    }
+
+    /// All epochs before `epoch` are merged: their radii are those of epoch `epoch + lag`.
+    fn begin_epoch(&mut self, epoch: u32) {
+        let field_epoch = self.plan.field_epoch(epoch + self.plan.epoch_lag);
+        if field_epoch > 0 {
+            self.take_fields(field_epoch);
+        }
+        let oldest = self.plan.field_epoch(epoch);
+        self.fields.retain(|(epoch, _), _| *epoch >= oldest);
+    }
+
+    fn take_fields(&mut self, field_epoch: u32) {
+        for (index, region) in self.plan.regions.iter().enumerate() {
+            let field = self.estimate.radius_field(*region);
+            let message = radius::encode(&field).encode_to_vec().into();
+            self.fields.insert((field_epoch, index as u32), Arc::new(Field { field, message }));
+        }
+    }
+
+    /// A radius field as it travels; `None` when it is not known yet or not needed any more.
+    pub fn field_message(&self, field_epoch: u32, region: u32) -> Option<Bytes> {
+        self.fields.get(&(field_epoch, region)).map(|field| field.message.clone())
+    }
+
+    /// What is merged, in numbers.
+    pub fn totals(&self) -> MergedTotals {
+        MergedTotals {
+            shards: self.merged,
+            passes: self.estimate.passes(),
+            photons_emitted: self.estimate.photons_emitted(),
+            non_finite: self.estimate.non_finite,
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! From what a user asks for to a job that workers can trace: which method, which parameters, when to stop.
+
+use serde_json::{Map, Value};
+
+use super::error::FarmError;
+use super::job::{JobRequest, StopRule};
+use crate::method::{self, CheckedMethod, MethodChoice, MethodError};
+use crate::scene::Integrator;
+
+/// The method of a scene and a request that name none.
+const DEFAULT_METHOD: &str = "sppm";
+/// Parameters that mean the same for every method.
+const SHARED_PARAMETERS: [&str; 2] = ["max_depth", "rr_depth"];
+const PASSES_LIMIT: u32 = 1 << 31;
+
+/// A method that was checked, and what the user should know of the choice.
+pub struct ResolvedMethod {
+    /// The method with all parameters.
+    pub method: CheckedMethod,
+    /// One sentence each.
+    pub notices: Vec<String>,
+}
+
+/// Chooses the method: the request's, else the scene's integrator, else `sppm`.
+pub fn resolve_method(
+    request: &JobRequest,
+    integrator: Option<&Integrator>,
+    pixels: u64,
+) -> Result<ResolvedMethod, FarmError> {
+    let wanted = integrator.map_or(DEFAULT_METHOD, |integrator| integrator.name.as_str());
+    let check = |name: &str| method::check(&choice(name, request, integrator), pixels);
+    match (&request.method, check(request.method.as_deref().unwrap_or(wanted))) {
+        (_, Ok(method)) => Ok(ResolvedMethod { method, notices: Vec::new() }),
+        (None, Err(MethodError::Unknown { name, .. })) if name != DEFAULT_METHOD => {
+            let notice = format!("The scene's integrator \"{name}\" is not a method here; {DEFAULT_METHOD} is used.");
+            Ok(ResolvedMethod { method: check(DEFAULT_METHOD)?, notices: vec![notice] })
+        }
+        (_, Err(problem)) => Err(problem.into()),
+    }
+}
+
+/// The scene's parameters as far as they are meant for `name`, overridden by the request's.
+fn choice(name: &str, request: &JobRequest, integrator: Option<&Integrator>) -> MethodChoice {
+    let mut parameters: Map<String, Value> = integrator.map(|own| own.parameters.clone()).unwrap_or_default();
+    if integrator.is_some_and(|own| own.name != name) {
+        parameters.retain(|parameter, _| SHARED_PARAMETERS.contains(&parameter.as_str()));
+    }
+    parameters.extend(request.parameters.clone());
+    MethodChoice { name: name.to_owned(), parameters }
+}
+
+/// Checks a stop rule and completes it: without passes and seconds the method's own passes count.
+pub fn resolve_stop(stop: StopRule, method: &CheckedMethod) -> Result<StopRule, FarmError> {
+    if stop.passes.is_some_and(|passes| !(1..=PASSES_LIMIT).contains(&passes)) {
+        return Err(FarmError::BadRequest {
+            problem: format!("stop.passes is {}", stop.passes.unwrap_or_default()),
+            remedy: format!("give 1 to {PASSES_LIMIT} passes"),
+        });
+    }
+    if stop.seconds.is_some_and(|seconds| !(seconds.is_finite() && seconds > 0.0)) {
+        return Err(FarmError::BadRequest {
+            problem: format!("stop.seconds is {}", stop.seconds.unwrap_or_default()),
+            remedy: "give a number above 0".to_owned(),
+        });
+    }
+    let passes = if stop.passes.is_none() && stop.seconds.is_none() { Some(method.passes) } else { stop.passes };
+    Ok(StopRule { passes, ..stop })
+}

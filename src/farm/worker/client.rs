@@ -1,0 +1,132 @@
+//! Requests to the coordinator, and pauses between attempts.
+
+use std::collections::hash_map::DefaultHasher;
+use std::hash::{Hash, Hasher};
+use std::time::Duration;
+
+use axum::body::Bytes;
+use prost::Message;
+use reqwest::{Response, StatusCode, Url};
+
+use super::WorkerError;
+
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+const SHORTEST_PAUSE: Duration = Duration::from_millis(200);
+/// Doublings of the shortest pause (0.2 s · 2⁶ ≈ 13 s).
+const PAUSE_DOUBLINGS: u32 = 6;
+
+/// A request that brought no answer to use.
+#[derive(Clone, Debug, thiserror::Error)]
+pub(super) enum CallError {
+    /// The coordinator cannot be reached or does not answer properly: try again later.
+    #[error("the coordinator does not answer: {0}")]
+    Unreachable(String),
+    /// The coordinator forgot this worker.
+    #[error("the coordinator does not know this worker")]
+    Forgotten,
+    /// The coordinator says no.
+    #[error("the coordinator answered {0}: {1}")]
+    Status(StatusCode, String),
+}
+
+impl CallError {
+    /// Whether the same request may succeed later.
+    pub(super) fn is_temporary(&self) -> bool {
+        match self {
+            Self::Unreachable(_) => true,
+            Self::Forgotten => false,
+            Self::Status(status, _) => status.is_server_error() || *status == StatusCode::TOO_MANY_REQUESTS,
+        }
+    }
+}
+
+/// The coordinator's worker protocol.
+#[derive(Clone)]
+pub(super) struct Client {
+    http: reqwest::Client,
+    base: String,
+}
+
+impl Client {
+    /// A client for the coordinator at `address`.
+    pub(super) fn new(address: &str) -> Result<Self, WorkerError> {
+        let bad = |problem: String| WorkerError::BadAddress { address: address.to_owned(), problem };
+        let url = Url::parse(address).map_err(|problem| bad(problem.to_string()))?;
+        if url.scheme() != "http" || url.host().is_none() {
+            return Err(bad("it does not begin with http:// and a host".to_owned()));
+        }
+        let http = reqwest::Client::builder()
+            .connect_timeout(CONNECT_TIMEOUT)
+            .no_proxy()
+            .tcp_nodelay(true)
+            .build()
+            .map_err(|problem| WorkerError::Start(problem.to_string()))?;
+        Ok(Self { http, base: format!("{}/farm/v1", address.trim_end_matches('/')) })
+    }
+
+    /// Sends a message and reads the answer as one.
+    pub(super) async fn post<A: Message + Default>(
+        &self,
+        path: &str,
+        message: Bytes,
+        timeout: Duration,
+    ) -> Result<A, CallError> {
+        let request = self.http.post(format!("{}/{path}", self.base)).timeout(timeout).body(message);
+        let body = read(request.send().await).await?;
+        A::decode(body).map_err(|problem| CallError::Unreachable(problem.to_string()))
+    }
+
+    /// Reads a resource.
+    pub(super) async fn get(&self, path: &str, timeout: Duration) -> Result<Bytes, CallError> {
+        let request = self.http.get(format!("{}/{path}", self.base)).timeout(timeout);
+        read(request.send().await).await
+    }
+}
+
+async fn read(response: Result<Response, reqwest::Error>) -> Result<Bytes, CallError> {
+    let response = response.map_err(|problem| unreachable_by(&problem))?;
+    let status = response.status();
+    let body = response.bytes().await.map_err(|problem| unreachable_by(&problem))?;
+    match status {
+        StatusCode::GONE => Err(CallError::Forgotten),
+        status if status.is_success() => Ok(body),
+        status => Err(CallError::Status(status, String::from_utf8_lossy(&body).chars().take(1000).collect())),
+    }
+}
+
+/// The innermost cause says what happened ("connection refused"); the outer ones only that something did.
+fn unreachable_by(problem: &reqwest::Error) -> CallError {
+    let mut cause: &dyn std::error::Error = problem;
+    while let Some(inner) = cause.source() {
+        cause = inner;
+    }
+    CallError::Unreachable(cause.to_string())
+}
+
+/// Pauses between attempts: they double, and differ between workers so that a farm does not return as one.
+#[derive(Clone, Debug)]
+pub(super) struct Backoff {
+    name: String,
+    attempt: u32,
+}
+
+impl Backoff {
+    /// No attempt has failed yet.
+    pub(super) fn new(name: &str) -> Self {
+        Self { name: name.to_owned(), attempt: 0 }
+    }
+
+    /// The last attempt succeeded.
+    pub(super) fn reset(&mut self) {
+        self.attempt = 0;
+    }
+
+    /// The pause after another failed attempt: 50–100 % of the doubled time.
+    pub(super) fn next_pause(&mut self) -> Duration {
+        let longest = SHORTEST_PAUSE * (1 << self.attempt.min(PAUSE_DOUBLINGS));
+        self.attempt = self.attempt.saturating_add(1);
+        let mut hasher = DefaultHasher::new();
+        (&self.name, self.attempt).hash(&mut hasher);
+        longest.mul_f64(0.5 + 0.5 * (hasher.finish() >> 11) as f64 / (1u64 << 53) as f64)
+    }
+}
