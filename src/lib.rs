@@ -17,6 +17,7 @@
 //! | [`cli`] | one file per subcommand | all |
 
 pub mod api;
+pub mod cli;
 pub mod estimate;
 pub mod evaluation;
 pub mod farm;

@@ -1,1 +1,5 @@
-fn main() {}
+//! The `photonfarm` program; see [`photonfarm::cli`].
+
+fn main() -> std::process::ExitCode {
+    photonfarm::cli::main()
+}

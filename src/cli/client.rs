@@ -1,0 +1,198 @@
+//! The API as the subcommands use it.
+
+use std::time::Duration;
+
+use clap::Args;
+use reqwest::{Method, RequestBuilder, Response, StatusCode, header};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+
+use super::exit_code::CliError;
+use crate::api::events::is_final;
+use crate::api::jobs::JobSubmission;
+use crate::api::problem::Problem;
+use crate::farm::job::JobStatus;
+
+/// How often in a row a broken stream of events is opened again.
+const RECONNECTS: u32 = 10;
+/// The pause before that.
+const RECONNECT_PAUSE: Duration = Duration::from_secs(1);
+
+/// Which coordinator to speak to.
+#[derive(Clone, Debug, Args)]
+pub(super) struct CoordinatorOption {
+    /// Address of the coordinator.
+    #[arg(long, env = "PHOTONFARM_URL", default_value = "http://127.0.0.1:8080", value_name = "URL")]
+    coordinator: String,
+}
+
+impl CoordinatorOption {
+    pub(super) fn client(&self) -> Result<Client, CliError> {
+        Client::new(&self.coordinator)
+    }
+}
+
+/// A connection to a coordinator.
+#[derive(Clone, Debug)]
+pub(super) struct Client {
+    http: reqwest::Client,
+    base: String,
+}
+
+#[derive(Deserialize)]
+struct UploadedScene {
+    hash: String,
+}
+
+#[derive(Deserialize)]
+struct JobList {
+    jobs: Vec<JobStatus>,
+}
+
+impl Client {
+    pub(super) fn new(base: &str) -> Result<Self, CliError> {
+        let base = base.trim_end_matches('/').to_owned();
+        if !base.starts_with("http://") {
+            let text = format!("\"{base}\" is not the address of a coordinator; write http://HOST:PORT");
+            return Err(CliError::Unreachable(text));
+        }
+        // Coordinators stand in the same network; a proxy would only be in the way of live events.
+        let http = reqwest::Client::builder().no_proxy().connect_timeout(Duration::from_secs(10)).build();
+        let http = http.map_err(|error| CliError::Failed(format!("cannot start the HTTP client: {error}")))?;
+        Ok(Self { http, base })
+    }
+
+    /// Uploads a scene and tells its hash.
+    pub(super) async fn upload_scene(&self, bytes: Vec<u8>) -> Result<String, CliError> {
+        let request = self.request(Method::POST, "/v1/scenes").body(bytes);
+        Ok(self.json::<UploadedScene>(request).await?.hash)
+    }
+
+    pub(super) async fn submit(&self, submission: &JobSubmission) -> Result<JobStatus, CliError> {
+        let body = serde_json::to_vec(submission).map_err(CliError::failed)?;
+        let request =
+            self.request(Method::POST, "/v1/jobs").header(header::CONTENT_TYPE, "application/json").body(body);
+        self.json(request).await
+    }
+
+    pub(super) async fn jobs(&self) -> Result<Vec<JobStatus>, CliError> {
+        Ok(self.json::<JobList>(self.request(Method::GET, "/v1/jobs")).await?.jobs)
+    }
+
+    pub(super) async fn cancel(&self, id: &str) -> Result<JobStatus, CliError> {
+        self.json(self.request(Method::POST, &job_path(id, "/cancel")?)).await
+    }
+
+    /// The bytes of `image` (for example `image.png?exposure=1`); `None` when nothing was rendered yet.
+    pub(super) async fn image(&self, id: &str, image: &str) -> Result<Option<Vec<u8>>, CliError> {
+        let response = self.send(self.request(Method::GET, &job_path(id, &format!("/{image}"))?)).await?;
+        match accepted(response).await {
+            Ok(response) => Ok(Some(response.bytes().await.map_err(|error| self.unreachable(&error))?.to_vec())),
+            Err(problem) if problem.slug() == "no-picture-yet" => Ok(None),
+            Err(problem) => Err(problem.into()),
+        }
+    }
+
+    /// Follows a job until it has ended; `show` sees every status on the way. Short outages are waited out.
+    pub(super) async fn follow(&self, id: &str, mut show: impl FnMut(&JobStatus)) -> Result<JobStatus, CliError> {
+        // An address where nobody was ever heard is an error at once.
+        let mut failures = RECONNECTS;
+        loop {
+            let stream = self.follow_stream(id, |status| {
+                failures = 0;
+                show(status);
+            });
+            match stream.await {
+                Ok(Some(status)) => return Ok(status),
+                Ok(None) if failures >= RECONNECTS => {
+                    let text = format!("{} ends the events of job {id} too early; try again", self.base);
+                    return Err(CliError::Unreachable(text));
+                }
+                Err(CliError::Unreachable(_)) if failures < RECONNECTS => {}
+                Err(error) => return Err(error),
+                Ok(None) => {}
+            }
+            failures += 1;
+            tokio::time::sleep(RECONNECT_PAUSE).await;
+        }
+    }
+
+    /// Reads one stream of events; `None` when it broke off before the job's end.
+    async fn follow_stream(&self, id: &str, mut show: impl FnMut(&JobStatus)) -> Result<Option<JobStatus>, CliError> {
+        let response = self.send(self.request(Method::GET, &job_path(id, "/events")?)).await?;
+        let mut response = accepted(response).await?;
+        let mut received = Vec::new();
+        while let Ok(Some(chunk)) = response.chunk().await {
+            received.extend_from_slice(&chunk);
+            while let Some(end) = received.iter().position(|byte| *byte == b'\n') {
+                let line: Vec<u8> = received.drain(..=end).collect();
+                let Some(data) = line.strip_prefix(b"data:") else { continue };
+                let status: JobStatus = serde_json::from_slice(data).map_err(|error| self.not_a_coordinator(&error))?;
+                show(&status);
+                if is_final(status.state) {
+                    return Ok(Some(status));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    fn request(&self, method: Method, path: &str) -> RequestBuilder {
+        self.http.request(method, format!("{}{path}", self.base))
+    }
+
+    async fn send(&self, request: RequestBuilder) -> Result<Response, CliError> {
+        request.send().await.map_err(|error| self.unreachable(&error))
+    }
+
+    async fn json<T: DeserializeOwned>(&self, request: RequestBuilder) -> Result<T, CliError> {
+        let response = accepted(self.send(request).await?).await?;
+        let bytes = response.bytes().await.map_err(|error| self.unreachable(&error))?;
+        serde_json::from_slice(&bytes).map_err(|error| self.not_a_coordinator(&error))
+    }
+
+    fn unreachable(&self, error: &reqwest::Error) -> CliError {
+        let mut cause: &dyn std::error::Error = error;
+        while let Some(deeper) = cause.source() {
+            cause = deeper;
+        }
+        CliError::Unreachable(format!(
+            "no coordinator answers at {} ({cause}); start one with `photonfarm serve`, or give its address with \
+             --coordinator or PHOTONFARM_URL",
+            self.base
+        ))
+    }
+
+    fn not_a_coordinator(&self, error: &serde_json::Error) -> CliError {
+        CliError::Unreachable(format!(
+            "{} does not answer as a coordinator of this version ({error}); check the address and the versions",
+            self.base
+        ))
+    }
+}
+
+/// The address of a job; an id can hold nothing that leads elsewhere.
+fn job_path(id: &str, rest: &str) -> Result<String, CliError> {
+    if id.is_empty()
+        || !id.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte))
+        || id.contains("..")
+    {
+        return Err(CliError::BadInput(format!("\"{id}\" is not a job's id; `photonfarm jobs` lists them")));
+    }
+    Ok(format!("/v1/jobs/{id}{rest}"))
+}
+
+/// The response if it is a success, else the problem that it tells.
+async fn accepted(response: Response) -> Result<Response, Problem> {
+    let status = response.status();
+    if status.is_success() {
+        return Ok(response);
+    }
+    let body = response.bytes().await.unwrap_or_default();
+    Err(serde_json::from_slice(&body).unwrap_or_else(|_| unknown_answer(status)))
+}
+
+fn unknown_answer(status: StatusCode) -> Problem {
+    Problem::new(status, "unknown-answer", format!("the coordinator answers {status}"))
+        .remedy("check that its address is that of a photonfarm coordinator")
+}

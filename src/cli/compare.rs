@@ -1,0 +1,56 @@
+//! `compare`: how far a picture is from a reference.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::exit_code::CliError;
+use super::terminal;
+use crate::estimate::picture_files::read_exr;
+use crate::evaluation::{Metrics, compare};
+
+/// Measure how far a picture is from a reference. Both are OpenEXR files of the same size.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Compare {
+    /// The picture.
+    image: PathBuf,
+    /// What it should be.
+    reference: PathBuf,
+    /// The reference's standard error per pixel, as an EXR; tells its own part in the error.
+    #[arg(long, value_name = "FILE")]
+    stderr: Option<PathBuf>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Compare {
+    pub(super) fn run(self) -> Result<(), CliError> {
+        let image = read_exr(&self.image)?;
+        let reference = read_exr(&self.reference)?;
+        let standard_error = self.stderr.as_deref().map(read_exr).transpose()?;
+        let metrics = compare(&image, &reference, standard_error.as_ref());
+        let metrics = metrics.map_err(|error| CliError::BadInput(error.to_string()))?;
+        let text =
+            if self.json { serde_json::to_string_pretty(&metrics).map_err(CliError::failed)? } else { table(&metrics) };
+        terminal::result(&text)
+    }
+}
+
+fn table(metrics: &Metrics) -> String {
+    let percent = |value: f64| format!("{:+.3} %", 100.0 * value);
+    let [red, green, blue] = metrics.bias_rgb.map(percent);
+    let mut lines = vec![
+        format!("RMSE              {:.6e}", metrics.rmse),
+        format!("relative RMSE     {:.6e}", metrics.rel_rmse),
+        format!("relMSE            {:.6e}", metrics.relmse),
+        format!("  without worst 0.1 %  {:.6e}", metrics.relmse_trimmed),
+        format!("mean bias         {}", percent(metrics.bias)),
+        format!("  red, green, blue  {red}, {green}, {blue}"),
+        format!("worst 8×8 block   {:.3} %", 100.0 * metrics.block_bias_max),
+    ];
+    if let Some(noise) = &metrics.reference_noise {
+        lines.push(format!("reference's own noise: RMSE {:.6e}, relMSE {:.6e}", noise.rmse, noise.relmse));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,60 @@
+//! What `render` and `submit` are told about a job.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::api::jobs::JobSubmission;
+use crate::farm::job::StopRule;
+
+/// A scene and how to render it.
+#[derive(Clone, Debug, Args)]
+pub(super) struct JobOptions {
+    /// Scene: Mitsuba 3 XML or JSON, or a zip archive with everything it refers to.
+    pub(super) scene: PathBuf,
+    /// Method; the scene's own integrator when it is not given.
+    #[arg(long)]
+    method: Option<String>,
+    /// Method parameter: a JSON value, or else text. May be repeated.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
+    settings: Vec<(String, serde_json::Value)>,
+    /// Stop after this many passes.
+    #[arg(long)]
+    passes: Option<u32>,
+    /// Stop after this many seconds.
+    #[arg(long)]
+    seconds: Option<f64>,
+    /// Seed of all random numbers.
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Value of a scene parameter, in place of its <default>. May be repeated.
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
+    pub(super) defines: Vec<(String, String)>,
+}
+
+impl JobOptions {
+    /// The request for a scene that was uploaded as `scene`.
+    pub(super) fn submission(&self, scene: String) -> JobSubmission {
+        JobSubmission {
+            scene: Some(scene),
+            scene_inline: None,
+            method: self.method.clone(),
+            parameters: self.settings.iter().cloned().collect(),
+            stop: StopRule { passes: self.passes, seconds: self.seconds },
+            seed: self.seed,
+        }
+    }
+}
+
+fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
+    let (key, value) = define(text)?;
+    let value = serde_json::from_str(&value).unwrap_or(serde_json::Value::String(value));
+    Ok((key, value))
+}
+
+fn define(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
+        _ => Err("write a name, =, and a value".to_owned()),
+    }
+}

@@ -1,0 +1,116 @@
+//! The command line: one file per subcommand. Results go to standard output, everything else to standard error.
+
+mod cancel;
+mod client;
+mod compare;
+mod exit_code;
+mod fetch;
+mod job_options;
+mod jobs;
+mod local_farm;
+mod methods;
+mod outputs;
+mod processor;
+mod progress;
+mod render;
+mod scene_file;
+mod serve;
+mod signals;
+mod submit;
+mod terminal;
+mod watch;
+mod worker;
+
+use std::future::Future;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use tracing::level_filters::LevelFilter;
+
+use exit_code::{CliError, EXIT_CODES};
+
+/// One photon-mapped picture on many machines.
+#[derive(Debug, Parser)]
+#[command(name = "photonfarm", version, after_help = EXIT_CODES, subcommand_required = true, arg_required_else_help = true)]
+struct CommandLine {
+    /// Log more to standard error; twice for still more.
+    #[arg(short, long, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Render a scene on this machine.
+    Render(render::Render),
+    /// Run a coordinator.
+    Serve(serve::Serve),
+    /// Work for a coordinator.
+    Worker(worker::Worker),
+    /// Send a scene to a coordinator; prints the job's id.
+    Submit(submit::Submit),
+    /// Follow a job until it ends.
+    Watch(watch::Watch),
+    /// Write a job's picture so far to files.
+    Fetch(fetch::Fetch),
+    /// Stop a job and keep its picture.
+    Cancel(cancel::Cancel),
+    /// List a coordinator's jobs.
+    Jobs(jobs::Jobs),
+    /// List the methods with their parameters.
+    Methods(methods::Methods),
+    /// Measure how far a picture is from a reference.
+    Compare(compare::Compare),
+}
+
+/// Reads the command line, does what it says and tells the exit code.
+pub fn main() -> ExitCode {
+    if let Err(missing) = processor::check() {
+        terminal::note(&format!("photonfarm: {missing}"));
+        return ExitCode::FAILURE;
+    }
+    let command_line = CommandLine::parse();
+    start_log(command_line.verbose);
+    match run(command_line.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            terminal::note(&format!("photonfarm: {error}"));
+            error.exit_code()
+        }
+    }
+}
+
+fn run(command: Command) -> Result<(), CliError> {
+    match command {
+        Command::Render(command) => in_runtime(command.run()),
+        Command::Serve(command) => in_runtime(command.run()),
+        Command::Worker(command) => in_runtime(command.run()),
+        Command::Submit(command) => in_runtime(command.run()),
+        Command::Watch(command) => in_runtime(command.run()),
+        Command::Fetch(command) => in_runtime(command.run()),
+        Command::Cancel(command) => in_runtime(command.run()),
+        Command::Jobs(command) => in_runtime(command.run()),
+        Command::Methods(command) => command.run(),
+        Command::Compare(command) => command.run(),
+    }
+}
+
+fn in_runtime(command: impl Future<Output = Result<(), CliError>>) -> Result<(), CliError> {
+    let runtime = tokio::runtime::Builder::new_multi_thread().enable_all().build();
+    let runtime = runtime.map_err(|error| CliError::Failed(format!("cannot start the runtime: {error}")))?;
+    let result = runtime.block_on(command);
+    // A shard that is being traced must not hold up the end.
+    runtime.shutdown_background();
+    result
+}
+
+fn start_log(verbose: u8) {
+    let level = match verbose {
+        0 => LevelFilter::WARN,
+        1 => LevelFilter::INFO,
+        2 => LevelFilter::DEBUG,
+        _ => LevelFilter::TRACE,
+    };
+    tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).log_internal_errors(false).init();
+}

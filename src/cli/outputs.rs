@@ -1,0 +1,72 @@
+//! The picture files that `render` and `fetch` write.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::client::Client;
+use super::exit_code::CliError;
+use crate::estimate::picture_files::{PictureFormat, check_writable, write_file};
+
+/// How pictures are written.
+#[derive(Clone, Debug, Args)]
+pub(super) struct OutputOptions {
+    /// File to write, .exr or .png. May be repeated.
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub(super) outputs: Vec<PathBuf>,
+    /// Stops by which PNG files are made brighter.
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    exposure: f32,
+    /// Further channels of EXR files, separated by commas: radius, photons.
+    #[arg(long, value_delimiter = ',', value_parser = ["radius", "photons"])]
+    layers: Vec<String>,
+}
+
+impl OutputOptions {
+    /// Refuses files of unknown format or in places that cannot be written, and impossible options.
+    pub(super) fn check(&self) -> Result<(), CliError> {
+        if !(-64.0..=64.0).contains(&self.exposure) {
+            let text = format!("exposure is {}; give a number of stops from -64 to 64", self.exposure);
+            return Err(CliError::BadInput(text));
+        }
+        for path in &self.outputs {
+            PictureFormat::of_path(path)?;
+            check_writable(path)?;
+        }
+        Ok(())
+    }
+
+    /// Fetches the job's picture and writes all files. Tells whether there was a picture.
+    pub(super) async fn write(&self, client: &Client, id: &str) -> Result<bool, CliError> {
+        for path in &self.outputs {
+            let Some(bytes) = client.image(id, &self.image(path)?).await? else { return Ok(false) };
+            write_file(path, &bytes)?;
+        }
+        Ok(true)
+    }
+
+    fn image(&self, path: &Path) -> Result<String, CliError> {
+        Ok(match PictureFormat::of_path(path)? {
+            PictureFormat::Exr => format!("image.exr?layers={}", self.layers.join(",")),
+            PictureFormat::Png => format!("image.png?exposure={}", self.exposure),
+        })
+    }
+}
+
+/// `<name>.exr` and `<name>.png` in the current folder. A scene file that is called `scene` has its folder's name.
+pub(super) fn default_outputs(scene: &Path) -> Vec<PathBuf> {
+    let full = std::path::absolute(scene).unwrap_or_else(|_| scene.to_owned());
+    let folder = full.parent().and_then(Path::file_name);
+    let name = match full.file_stem() {
+        Some(stem) if stem == "scene" => folder.unwrap_or(stem),
+        Some(stem) => stem,
+        None => "picture".as_ref(),
+    };
+    ["exr", "png"]
+        .map(|extension| {
+            let mut file = name.to_owned();
+            file.push(format!(".{extension}"));
+            PathBuf::from(file)
+        })
+        .to_vec()
+}

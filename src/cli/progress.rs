@@ -1,0 +1,68 @@
+//! How a job is doing, on standard error: a bar on a terminal, else a plain line now and then.
+
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::terminal;
+use crate::farm::job::{JobState, JobStatus};
+
+/// Time between plain lines.
+const LINE_INTERVAL: Duration = Duration::from_secs(10);
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// Shows statuses as they come.
+pub(super) struct Progress {
+    bar: Option<ProgressBar>,
+    last_line: Option<Instant>,
+}
+
+impl Progress {
+    pub(super) fn new() -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("[{bar:30}] {wide_msg}").map(|style| style.progress_chars("=> "));
+            ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { bar, last_line: None }
+    }
+
+    pub(super) fn show(&mut self, status: &JobStatus) {
+        if let Some(bar) = &self.bar {
+            bar.set_position((share_done(status) * STEPS as f64) as u64);
+            bar.set_message(description(status));
+        } else if self.last_line.is_none_or(|last| last.elapsed() >= LINE_INTERVAL) {
+            self.last_line = Some(Instant::now());
+            terminal::note(&description(status));
+        }
+    }
+
+    /// Removes the bar.
+    pub(super) fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// How much of the job is done, 0 to 1, by whichever end comes first.
+fn share_done(status: &JobStatus) -> f64 {
+    let by_passes = status.passes_total.map_or(0.0, |total| f64::from(status.passes_done) / f64::from(total.max(1)));
+    let by_seconds = status.stop.seconds.map_or(0.0, |total| status.seconds / total);
+    by_passes.max(by_seconds).clamp(0.0, 1.0)
+}
+
+fn description(status: &JobStatus) -> String {
+    if status.state == JobState::Queued {
+        return "waiting for a worker".to_owned();
+    }
+    let total = status.passes_total.map(|total| format!(" of {total}")).unwrap_or_default();
+    let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
+    format!("{}{total} passes, {}, {:.0} s{left}", status.passes_done, rate(status), status.seconds)
+}
+
+/// Photons per second in words.
+pub(super) fn rate(status: &JobStatus) -> String {
+    format!("{:.2} million photons/s", status.photons_per_second / 1e6)
+}

@@ -1,0 +1,102 @@
+//! `render`: a scene on this machine, by a coordinator and workers in this process.
+
+use clap::Args;
+
+use super::client::Client;
+use super::exit_code::CliError;
+use super::job_options::JobOptions;
+use super::local_farm::{LocalFarm, threads_per_worker};
+use super::outputs::{OutputOptions, default_outputs};
+use super::progress::{Progress, rate};
+use super::{scene_file, signals, terminal};
+use crate::farm::job::{JobState, JobStatus};
+
+/// Render a scene on this machine.
+///
+/// Without -o the picture goes to NAME.exr and NAME.png in the current folder, NAME being the scene file's, or its
+/// folder's where the file is called scene. Ctrl-C stops, writes the picture so far, and gives exit code 130.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Render {
+    #[command(flatten)]
+    job: JobOptions,
+    #[command(flatten)]
+    output: OutputOptions,
+    /// Workers to start; the picture does not depend on it.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    workers: u16,
+    /// Threads per worker [default: processors / workers]; the picture does not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Render {
+    pub(super) async fn run(mut self) -> Result<(), CliError> {
+        if self.output.outputs.is_empty() {
+            self.output.outputs = default_outputs(&self.job.scene);
+        }
+        self.output.check()?;
+        let scene = scene_file::pack(&self.job.scene, &self.job.defines)?;
+        let workers = usize::from(self.workers);
+        let threads = threads_per_worker(self.threads.map(usize::from), workers);
+        let mut farm = LocalFarm::start("127.0.0.1:0", workers, threads).await?;
+        let client = Client::new(&farm.loopback_url())?;
+        let result = tokio::select! {
+            result = self.render(&client, scene, workers * threads) => result,
+            failure = farm.failure() => Err(failure),
+        };
+        farm.stop().await;
+        result
+    }
+
+    async fn render(&self, client: &Client, scene: Vec<u8>, threads: usize) -> Result<(), CliError> {
+        let submitted = async {
+            let hash = client.upload_scene(scene).await?;
+            client.submit(&self.job.submission(hash)).await
+        };
+        let job = tokio::select! {
+            job = submitted => job?,
+            interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
+        };
+        for notice in &job.notices {
+            terminal::note(&format!("note: {notice}"));
+        }
+        let mut progress = Progress::new();
+        let (status, interrupted) = follow_or_cancel(client, &job.id, &mut progress).await?;
+        progress.finish();
+        if status.state == JobState::Failed {
+            return Err(CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned())));
+        }
+        let written = self.output.write(client, &status.id).await?;
+        terminal::note(&rates(&status, threads));
+        match (interrupted, written) {
+            (true, true) => Err(CliError::Interrupted),
+            (true, false) => {
+                terminal::note("nothing was rendered yet: no picture is written");
+                Err(CliError::Interrupted)
+            }
+            (false, true) => Ok(()),
+            (false, false) => Err(CliError::Failed("the job ended without a picture; give it more time".to_owned())),
+        }
+    }
+}
+
+/// The job's last status, and whether the user stopped it.
+async fn follow_or_cancel(client: &Client, id: &str, progress: &mut Progress) -> Result<(JobStatus, bool), CliError> {
+    tokio::select! {
+        status = client.follow(id, |status| progress.show(status)) => return Ok((status?, false)),
+        interrupted = signals::interrupted() => interrupted?,
+    }
+    signals::end_on_next_interrupt();
+    client.cancel(id).await?;
+    Ok((client.follow(id, |_| ()).await?, true))
+}
+
+fn rates(status: &JobStatus, threads: usize) -> String {
+    format!(
+        "{} passes, {} photons, {}, {:.1} s, {threads} threads",
+        status.passes_done,
+        status.photons_emitted,
+        rate(status),
+        status.seconds
+    )
+}

@@ -1,0 +1,29 @@
+//! `submit`: sends a scene and prints the job's id.
+
+use clap::Args;
+
+use super::client::CoordinatorOption;
+use super::exit_code::CliError;
+use super::job_options::JobOptions;
+use super::{scene_file, terminal};
+
+/// Send a scene to a coordinator. Prints the job's id and nothing else on standard output.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Submit {
+    #[command(flatten)]
+    job: JobOptions,
+    #[command(flatten)]
+    coordinator: CoordinatorOption,
+}
+
+impl Submit {
+    pub(super) async fn run(self) -> Result<(), CliError> {
+        let client = self.coordinator.client()?;
+        let hash = client.upload_scene(scene_file::pack(&self.job.scene, &self.job.defines)?).await?;
+        let job = client.submit(&self.job.submission(hash)).await?;
+        for notice in &job.notices {
+            terminal::note(&format!("note: {notice}"));
+        }
+        terminal::result(&job.id)
+    }
+}

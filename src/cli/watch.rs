@@ -1,0 +1,35 @@
+//! `watch`: a job's progress until it ends.
+
+use clap::Args;
+
+use super::client::CoordinatorOption;
+use super::exit_code::CliError;
+use super::progress::Progress;
+use super::signals;
+use crate::farm::job::JobState;
+
+/// Follow a job until it ends. The exit code is 0 when it is done, 1 when it failed or was cancelled.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Watch {
+    /// The job's id.
+    id: String,
+    #[command(flatten)]
+    coordinator: CoordinatorOption,
+}
+
+impl Watch {
+    pub(super) async fn run(self) -> Result<(), CliError> {
+        let client = self.coordinator.client()?;
+        let mut progress = Progress::new();
+        let status = tokio::select! {
+            status = client.follow(&self.id, |status| progress.show(status)) => status?,
+            interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
+        };
+        progress.finish();
+        match status.state {
+            JobState::Failed => Err(CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()))),
+            JobState::Cancelled => Err(CliError::Failed(format!("job {} was cancelled", status.id))),
+            JobState::Queued | JobState::Running | JobState::Done => Ok(()),
+        }
+    }
+}

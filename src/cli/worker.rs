@@ -1,0 +1,51 @@
+//! `worker`: traces shards for a coordinator.
+
+use clap::Args;
+use tokio_util::sync::CancellationToken;
+
+use super::exit_code::CliError;
+use super::local_farm::threads_per_worker;
+use super::signals;
+use crate::farm::worker::{WorkerError, WorkerOptions, run_worker};
+
+/// Work for a coordinator until Ctrl-C or SIGTERM. Outages of the coordinator are waited out.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Worker {
+    /// Address of the coordinator.
+    #[arg(long, env = "PHOTONFARM_URL", value_name = "URL")]
+    coordinator: String,
+    /// Rendering threads [default: all processors].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Name in the coordinator's list of workers [default: worker and the process id].
+    #[arg(long)]
+    name: Option<String>,
+}
+
+impl Worker {
+    pub(super) async fn run(self) -> Result<(), CliError> {
+        let options = WorkerOptions {
+            coordinator: self.coordinator,
+            name: self.name.unwrap_or_else(|| format!("worker-{}", std::process::id())),
+            threads: threads_per_worker(self.threads.map(usize::from), 1),
+        };
+        let shutdown = CancellationToken::new();
+        let asked_to_stop = async {
+            if let Err(error) = signals::interrupted().await {
+                tracing::warn!(%error, "the worker cannot be stopped gently");
+                std::future::pending::<()>().await;
+            }
+            shutdown.cancel();
+            signals::end_on_next_interrupt();
+            std::future::pending::<()>().await;
+        };
+        let result = tokio::select! {
+            result = run_worker(options, shutdown.clone()) => result,
+            () = asked_to_stop => Ok(()),
+        };
+        result.map_err(|error| match error {
+            WorkerError::BadAddress { .. } | WorkerError::Refused(_) => CliError::Unreachable(error.to_string()),
+            WorkerError::Start(_) => CliError::failed(error),
+        })
+    }
+}

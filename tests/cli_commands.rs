@@ -1,0 +1,135 @@
+//! The program as its users meet it: what it prints, where, and with which exit code.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use photonfarm::estimate::Picture;
+use photonfarm::estimate::picture_files::{PictureLayers, PictureMetadata, encode_exr, write_file};
+
+/// A port on which nothing listens: the discard port of this machine.
+const NOBODY: &str = "http://127.0.0.1:9";
+const SCENE: &str = "tests/references/cornell-diffuse/scene.xml";
+
+fn program(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_photonfarm"));
+    command.args(arguments).env_remove("PHOTONFARM_URL").stdin(Stdio::null());
+    command
+}
+
+fn run(arguments: &[&str]) -> Output {
+    program(arguments).output().expect("the program starts")
+}
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Standard error of a run that failed with `code` and printed no result.
+fn failure(output: &Output, code: i32) -> String {
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(code), "{stderr}");
+    assert_eq!(stdout(output), "", "results only on standard output");
+    stderr
+}
+
+fn write_grey(path: &Path, grey: f32) {
+    let picture = Picture { width: 16, height: 16, radiance: vec![[grey; 3]; 256] };
+    let bytes = encode_exr(&picture, &PictureLayers::default(), &PictureMetadata::default()).expect("encodes");
+    write_file(path, &bytes).expect("writes");
+}
+
+#[test]
+fn help_tells_the_exit_codes() {
+    let output = run(&["--help"]);
+    assert!(output.status.success());
+    assert!(stdout(&output).contains("the coordinator cannot be reached"));
+}
+
+#[test]
+fn wrong_usage_is_2() {
+    failure(&run(&["render"]), 2);
+    failure(&run(&["render", "a.xml", "--set", "alpha"]), 2);
+    failure(&run(&["render", "a.xml", "--threads", "0"]), 2);
+    failure(&run(&["render", "a.xml", "--layers", "depth"]), 2);
+}
+
+#[test]
+fn methods_are_listed_with_their_parameters() {
+    let output = run(&["methods"]);
+    assert!(output.status.success());
+    assert!(stdout(&output).starts_with("sppm: ") && stdout(&output).contains("alpha"));
+    assert!(failure(&run(&["methods", "spppm"]), 3).contains("sppm"));
+}
+
+#[test]
+fn a_closed_standard_output_is_no_panic() {
+    let mut child = program(&["methods"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+#[test]
+fn compare_measures_and_prints_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (image, reference) = (folder.path().join("image.exr"), folder.path().join("reference.exr"));
+    write_grey(&image, 1.5);
+    write_grey(&reference, 1.0);
+    let paths = [image.to_str().expect("UTF-8"), reference.to_str().expect("UTF-8")];
+    let output = run(&["compare", paths[0], paths[1], "--json"]);
+    let metrics: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(metrics["rmse"], 0.5);
+    assert_eq!(metrics["bias"], 0.5);
+    let text = stdout(&run(&["compare", paths[0], paths[1]]));
+    assert!(text.contains("mean bias         +50.000 %"), "{text}");
+}
+
+#[test]
+fn compare_tells_what_cannot_be_compared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let image = folder.path().join("image.exr");
+    write_grey(&image, 1.0);
+    let image = image.to_str().expect("UTF-8");
+    assert!(failure(&run(&["compare", image, "no-such.exr"]), 5).contains("no-such.exr"));
+    let sizes = failure(&run(&["compare", image, "tests/references/cornell-diffuse/ref.exr"]), 3);
+    assert!(sizes.contains("same size"), "{sizes}");
+    assert!(failure(&run(&["compare", image, SCENE]), 5).contains("OpenEXR"));
+}
+
+#[test]
+fn an_unwritable_output_is_told_before_rendering() {
+    let stderr = failure(&run(&["render", SCENE, "-o", "no/such/folder/a.exr"]), 5);
+    assert!(stderr.contains("no/such/folder/a.exr") && stderr.contains("create the folder"), "{stderr}");
+    assert!(failure(&run(&["render", SCENE, "-o", "a.jpg"]), 3).contains(".exr or .png"));
+}
+
+#[test]
+fn a_missing_scene_is_a_file_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = program(&["render", "no-such-scene.xml"]).current_dir(folder.path()).output().expect("starts");
+    assert!(failure(&output, 5).contains("no-such-scene.xml"));
+    assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), 0, "no file is left behind");
+}
+
+#[test]
+fn a_malformed_scene_is_bad_input_with_its_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("a.xml"), "<scene version='3.0.0'>\n<sensor></scene>").expect("writes");
+    let output = program(&["render", "a.xml"]).current_dir(folder.path()).output().expect("starts");
+    let stderr = failure(&output, 3);
+    assert!(stderr.contains("a.xml:2"), "{stderr}");
+}
+
+#[test]
+fn an_absent_coordinator_is_told_with_the_remedy() {
+    for arguments in [&["jobs"][..], &["cancel", "job"], &["watch", "job"], &["submit", SCENE]] {
+        let stderr = failure(&run(&[arguments, &["--coordinator", NOBODY]].concat()), 4);
+        assert!(stderr.contains(NOBODY) && stderr.contains("photonfarm serve"), "{stderr}");
+    }
+    assert!(failure(&run(&["jobs", "--coordinator", "farm:80"]), 4).contains("http://HOST:PORT"));
+}
+
+#[test]
+fn an_id_that_leads_elsewhere_is_refused() {
+    assert!(failure(&run(&["cancel", "../workers", "--coordinator", NOBODY]), 3).contains("not a job's id"));
+}
