@@ -34,7 +34,7 @@ use crate::scene::material::TransportMode;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraVertex, CameraWalk, GatherPoint};
 use crate::transport::direct_light::direct_light;
-use crate::transport::first_radius::{fill_gaps, first_radius_squared};
+use crate::transport::first_radius::{clear_of_edges, fill_gaps, first_radius_squared};
 use crate::transport::photon_map::PhotonMap;
 use crate::transport::shading;
 
@@ -315,7 +315,10 @@ impl PreparedMethod for Ppm {
                 // The straight distance stands for the path's: hit points do not keep it.
                 let distance = scene.camera.position().distance(point.hit.position);
                 let footprint = scene.camera.pixel_footprint(distance, scene.width);
-                Some(first_radius_squared(&map, &point, footprint, &bounds))
+                Some({
+                    let dense = first_radius_squared(&map, &point, footprint, &bounds);
+                    clear_of_edges(scene, &point, dense, footprint)
+                })
             })
             .collect();
         total.rays += 2 * hit_points.points.len() as u64;

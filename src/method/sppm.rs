@@ -30,7 +30,7 @@ use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, walk_to_gather_point};
 use crate::transport::direct_light::direct_light;
-use crate::transport::first_radius::{fill_gaps, first_radius_squared};
+use crate::transport::first_radius::{clear_of_edges, fill_gaps, first_radius_squared};
 use crate::transport::photon_map::PhotonMap;
 
 const NAME: &str = "sppm";
@@ -147,7 +147,10 @@ impl PreparedMethod for Sppm {
                 counters.rays += 2 * u64::from(point.is_some());
                 let radius = point.map(|point| {
                     let footprint = scene.camera.pixel_footprint(point.path_length, scene.width);
-                    first_radius_squared(&map, &point, footprint, &bounds)
+                    {
+                        let dense = first_radius_squared(&map, &point, footprint, &bounds);
+                        clear_of_edges(scene, &point, dense, footprint)
+                    }
                 });
                 (radius, counters)
             })

@@ -7,6 +7,10 @@ use rayon::prelude::*;
 
 use super::camera_walk::GatherPoint;
 use super::photon_map::{GatherQuery, PhotonMap};
+use crate::math::Frame;
+use crate::math::trigonometry::sin_cos_turn;
+use crate::scene::Scene;
+use crate::scene::geometry::Ray;
 
 /// Photons that a first gather should find.
 pub const FIRST_GATHER_PHOTONS: f32 = 30.0;
@@ -63,6 +67,50 @@ pub fn first_radius_squared(map: &PhotonMap, point: &GatherPoint, footprint: f32
         radius_squared = next;
     }
     radius_squared
+}
+
+/// How often a disc that reaches over an edge or into a corner is halved.
+const HALVINGS: usize = 1;
+/// Directions in which a disc is probed.
+const PROBES: usize = 8;
+/// Height of the probes over the tangent plane, in radii.
+const PROBE_HEIGHT: f32 = 0.05;
+/// Depth to which a surface still belongs to the disc, in radii; what the gather accepts too.
+const PROBE_DEPTH: f32 = 0.25;
+/// The least cosine between the normals at the rim and in the middle.
+const PROBE_COSINE: f32 = 0.7;
+
+/// R² made smaller, m², until the disc lies on one surface without obstacles, or [`HALVINGS`] times.
+///
+/// A disc that reaches over an edge or into a corner finds too few photons for its area: the bias that stays longest. Rays
+/// along the surface find corners and obstacles, rays down at the rim find edges.
+pub fn clear_of_edges(scene: &Scene, point: &GatherPoint, radius_squared: f32, smallest: f32) -> f32 {
+    let mut radius = radius_squared.sqrt();
+    for _ in 0..HALVINGS {
+        if radius <= smallest || is_clear(scene, point, radius) {
+            break;
+        }
+        radius = (0.5 * radius).max(smallest);
+    }
+    radius * radius
+}
+
+fn is_clear(scene: &Scene, point: &GatherPoint, radius: f32) -> bool {
+    let normal = point.facing_normal();
+    let frame = Frame::from_normal(normal);
+    let height = (PROBE_HEIGHT * radius).max(2.0 * point.hit.error);
+    let origin = point.hit.position + normal * height;
+    (0..PROBES).all(|probe| {
+        let (sin, cos) = sin_cos_turn((probe as f32 + 0.5) / PROBES as f32);
+        let along = frame.tangent * cos + frame.bitangent * sin;
+        if scene.geometry.is_blocked(&Ray { origin, direction: along, length: radius }) {
+            return false;
+        }
+        let length = height + PROBE_DEPTH * radius;
+        let down = Ray { origin: origin + along * radius, direction: -normal, length };
+        let rim = scene.geometry.intersect(&down);
+        rim.is_some_and(|rim| rim.geometric_normal.dot(normal).abs() > PROBE_COSINE)
+    })
 }
 
 /// Gives pixels without a radius the smallest of their neighbours', growing from the edges inwards; pixels far from any

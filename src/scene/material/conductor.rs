@@ -2,7 +2,7 @@
 //!
 //! | parameter | meaning | range | default |
 //! |---|---|---|---|
-//! | `material` | a measured metal by name, or `none` for a perfect mirror | see `measured_metals` | `Cu` |
+//! | `material` | a measured metal by name, or `none` for a perfect mirror | see `measured_metals` | `none` |
 //! | `eta`, `k` | real and imaginary index of refraction instead of `material` | ≥ 0 | – |
 //! | `specular_reflectance` | factor on the reflection | 0 to 1 | 1 |
 
@@ -27,7 +27,7 @@ pub fn read_index(fields: &mut Fields<'_>) -> Result<Option<(Rgb, Rgb)>, SceneEr
     let (eta, k) = (fields.rgb("eta")?, fields.rgb("k")?);
     match (material, eta, k) {
         (None, Some(eta), Some(k)) => Ok(Some((to_single(eta), to_single(k)))),
-        (None, None, None) => named_metal("Cu", fields),
+        (None, None, None) => Ok(None),
         (Some(name), None, None) => named_metal(name, fields),
         (Some(_), _, _) => {
             Err(fields.error("material", "a conductor has both \"material\" and \"eta\" or \"k\"", "give one of them"))
