@@ -43,6 +43,7 @@ pub mod request;
 pub mod roster;
 pub mod schedule;
 pub mod server;
+mod status;
 pub mod wire;
 pub mod worker;
 
