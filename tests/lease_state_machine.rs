@@ -202,7 +202,7 @@ fn deliver_ready(farm: &mut Farm, worker: &mut SimulatedWorker, late: &mut Vec<L
 
 fn simulate(seed: u64) -> BTreeMap<u64, u64> {
     let mut random = Random(seed);
-    let rule = if seed % 2 == 0 { RadiusRule::Statistics } else { RadiusRule::Schedule };
+    let rule = if seed.is_multiple_of(2) { RadiusRule::Statistics } else { RadiusRule::Schedule };
     let mut farm = Farm::new(rule);
     farm.add_job(1, passes(90));
     farm.add_job(2, passes(1));

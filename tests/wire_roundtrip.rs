@@ -113,6 +113,19 @@ fn impossible_leases_are_refused() {
 fn a_short_message_does_not_become_a_large_allocation() {
     assert!(planes::decompress::<7>(&[0; 100], usize::MAX / 1000).is_err());
     assert!(planes::decompress::<1>(&[], 1).is_err());
+    assert!(planes::decompress::<7>(&[0; 100], usize::MAX).is_err());
+}
+
+/// More than one chunk, and none at all; nothing may be missing or left over.
+#[test]
+fn chunks_join_without_a_seam() {
+    let records: Vec<[f32; 1]> = (0..40_000).map(|index| [index as f32]).collect();
+    let mut bytes = planes::compress(&records);
+    assert_eq!(planes::decompress::<1>(&bytes, 40_000), Ok(records));
+    assert!(planes::decompress::<1>(&bytes, 39_999).is_err());
+    bytes.push(0);
+    assert!(planes::decompress::<1>(&bytes, 40_000).is_err());
+    assert_eq!(planes::decompress::<1>(&planes::compress::<1>(&[]), 0), Ok(Vec::new()));
 }
 
 proptest! {

@@ -1,0 +1,15 @@
+# One image, one binary: coordinator and workers are subcommands of it.
+FROM rust:1-slim-trixie AS build
+WORKDIR /source
+COPY . .
+RUN --mount=type=cache,target=/usr/local/cargo/registry \
+    --mount=type=cache,target=/source/target \
+    cargo build --release --locked && cp target/release/photonfarm /photonfarm
+
+FROM debian:trixie-slim
+RUN useradd --system --uid 10001 --no-create-home photonfarm
+COPY --from=build /photonfarm /usr/local/bin/photonfarm
+USER photonfarm
+EXPOSE 7878
+ENTRYPOINT ["photonfarm"]
+CMD ["serve", "--listen", "0.0.0.0:7878"]

@@ -1,0 +1,288 @@
+//! Whole farms in this process, talking real HTTP on loopback ports: whatever the number of workers and threads and
+//! whatever goes wrong, a job's picture has the same bits.
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use axum::Router;
+use photonfarm::estimate::{Shard, Tally};
+use photonfarm::farm::job::{JobRequest, JobState, JobStatus, StopRule};
+use photonfarm::farm::wire::BUILD;
+use photonfarm::farm::wire::lease::decode_lease;
+use photonfarm::farm::wire::messages::result_request::Outcome;
+use photonfarm::farm::wire::messages::{
+    self, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ResultRequest,
+};
+use photonfarm::farm::wire::result::encode_tally;
+use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
+use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, server};
+use prost::Message;
+use serde_json::json;
+use tokio::task::JoinHandle;
+use tokio::time::{sleep, timeout};
+use tokio_util::sync::CancellationToken;
+
+const SCENE: &str = r#"<scene version="3.0.0">
+  <integrator type="sppm"/>
+  <sensor type="perspective">
+    <float name="fov" value="40"/>
+    <transform name="to_world"><lookat origin="0, 0, 3.9" target="0, 0, 0" up="0, 1, 0"/></transform>
+    <film type="hdrfilm">
+      <integer name="width" value="40"/> <integer name="height" value="30"/> <rfilter type="box"/>
+    </film>
+  </sensor>
+  <bsdf type="diffuse" id="plaster"><rgb name="reflectance" value="0.75, 0.73, 0.70"/></bsdf>
+  <shape type="rectangle">
+    <transform name="to_world"><rotate x="1" angle="-90"/><translate y="-1"/></transform> <ref id="plaster"/>
+  </shape>
+  <shape type="rectangle">
+    <transform name="to_world"><translate z="-1"/></transform> <ref id="plaster"/>
+  </shape>
+  <shape type="rectangle">
+    <transform name="to_world"><scale x="0.3" y="0.3"/><rotate x="1" angle="90"/><translate y="0.99"/></transform>
+    <emitter type="area"><rgb name="radiance" value="30, 27, 22"/></emitter>
+  </shape>
+</scene>"#;
+
+/// A coordinator behind a real port.
+struct Farm {
+    handle: CoordinatorHandle,
+    address: SocketAddr,
+    server: JoinHandle<()>,
+}
+
+impl Farm {
+    async fn start(lease: Duration) -> Self {
+        let options = CoordinatorOptions { lease_duration: lease, ..CoordinatorOptions::default() };
+        let handle = CoordinatorHandle::start(options);
+        let (address, server) = serve(&handle, "127.0.0.1:0".parse().expect("an address")).await;
+        Self { handle, address, server }
+    }
+
+    fn url(&self) -> String {
+        format!("http://{}", self.address)
+    }
+
+    fn worker(&self, name: &str, threads: usize) -> (CancellationToken, JoinHandle<Result<(), WorkerError>>) {
+        let stop = CancellationToken::new();
+        let options = WorkerOptions { coordinator: self.url(), name: name.to_owned(), threads };
+        (stop.clone(), tokio::spawn(run_worker(options, stop)))
+    }
+
+    async fn submit(&self, rule: &str, stop: StopRule) -> String {
+        let scene = self.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
+        let parameters = [("radius_rule".to_owned(), json!(rule)), ("photons_per_pass".to_owned(), json!(3000))];
+        let parameters = serde_json::Map::from_iter(parameters);
+        let request = JobRequest { scene, method: None, parameters, stop, seed: 7 };
+        self.handle.submit(request).await.expect("a good request")
+    }
+
+    async fn end(&self, id: &str) -> JobStatus {
+        let mut status = self.handle.watch(id).expect("a job");
+        let ended =
+            |status: &JobStatus| matches!(status.state, JobState::Done | JobState::Failed | JobState::Cancelled);
+        let ended = timeout(Duration::from_secs(60), status.wait_for(ended)).await.expect("jobs end");
+        ended.expect("the coordinator lives").clone()
+    }
+
+    /// The bits of a job's picture and layers, once it is done.
+    async fn bits(&self, id: &str) -> Vec<u32> {
+        let status = self.end(id).await;
+        assert_eq!(status.state, JobState::Done, "{status:?}");
+        let (picture, _) = self.handle.picture(id).await.expect("a picture");
+        let layers = self.handle.layers(id).await.expect("layers");
+        let radiance = picture.radiance.iter().flatten();
+        radiance.chain(&layers.radius).chain(&layers.photons).map(|value| value.to_bits()).collect()
+    }
+}
+
+async fn serve(handle: &CoordinatorHandle, address: SocketAddr) -> (SocketAddr, JoinHandle<()>) {
+    let listener = tokio::net::TcpListener::bind(address).await.expect("a free port");
+    let address = listener.local_addr().expect("bound");
+    let app = Router::new().nest("/farm/v1", server::router(handle.clone()));
+    (address, tokio::spawn(async move { axum::serve(listener, app).await.expect("serving") }))
+}
+
+fn passes(passes: u32) -> StopRule {
+    StopRule { passes: Some(passes), seconds: None }
+}
+
+/// The bits that one undisturbed single-threaded worker makes.
+async fn reference(rule: &str, count: u32) -> Vec<u32> {
+    let farm = Farm::start(Duration::from_secs(15)).await;
+    let _worker = farm.worker("alone", 1);
+    let id = farm.submit(rule, passes(count)).await;
+    farm.bits(&id).await
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn workers_and_threads_do_not_change_the_picture() {
+    for rule in ["statistics", "schedule"] {
+        let expected = reference(rule, 75).await;
+        for (workers, threads) in [(4, 1), (1, 2)] {
+            let farm = Farm::start(Duration::from_secs(15)).await;
+            let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), threads)).collect();
+            let id = farm.submit(rule, passes(75)).await;
+            assert!(farm.bits(&id).await == expected, "{rule}, {workers} workers, {threads} threads");
+        }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn killed_workers_do_not_change_the_picture() {
+    let farm = Farm::start(Duration::from_millis(600)).await;
+    let id = farm.submit("statistics", passes(75)).await;
+    for round in 0..4 {
+        let (_, worker) = farm.worker(&format!("victim{round}"), 1);
+        sleep(Duration::from_millis(60 + 40 * round)).await;
+        worker.abort();
+    }
+    let _worker = farm.worker("survivor", 1);
+    assert!(farm.bits(&id).await == reference("statistics", 75).await);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_outage_of_the_coordinator_does_not_change_the_picture() {
+    let farm = Farm::start(Duration::from_secs(5)).await;
+    let id = farm.submit("statistics", passes(300)).await;
+    let _workers = [farm.worker("one", 1), farm.worker("two", 1)];
+    let mut status = farm.handle.watch(&id).expect("a job");
+    status.wait_for(|status| status.passes_done > 3).await.expect("the coordinator lives");
+    farm.server.abort();
+    sleep(Duration::from_millis(700)).await;
+    let _server = serve(&farm.handle, farm.address).await;
+    assert!(farm.bits(&id).await == reference("statistics", 300).await);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_worker_that_is_asked_to_stop_gives_its_work_back() {
+    let farm = Farm::start(Duration::from_secs(600)).await;
+    let id = farm.submit("statistics", passes(75)).await;
+    let (stop, worker) = farm.worker("leaving", 1);
+    let mut status = farm.handle.watch(&id).expect("a job");
+    status.wait_for(|status| status.passes_done > 1).await.expect("the coordinator lives");
+    stop.cancel();
+    worker.await.expect("no panic").expect("a clean end");
+    assert_eq!(farm.handle.workers(), []);
+    // With leases of ten minutes, only work that was given back can be done in time.
+    let _worker = farm.worker("successor", 1);
+    assert!(farm.bits(&id).await == reference("statistics", 75).await);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_stopped_by_seconds_has_the_bits_of_a_job_of_as_many_passes() {
+    let farm = Farm::start(Duration::from_secs(15)).await;
+    let _worker = farm.worker("alone", 1);
+    let id = farm.submit("statistics", StopRule { passes: None, seconds: Some(0.8) }).await;
+    let stopped = farm.bits(&id).await;
+    let done = farm.handle.job(&id).expect("a job").passes_done;
+    let id = farm.submit("statistics", passes(done)).await;
+    assert!(farm.bits(&id).await == stopped, "{done} passes");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_cancelled_job_keeps_its_picture_and_frees_the_farm() {
+    let farm = Farm::start(Duration::from_secs(15)).await;
+    let id = farm.submit("statistics", passes(1_000_000)).await;
+    assert!(matches!(farm.handle.picture(&id).await, Err(FarmError::NoPictureYet(_))));
+    let _worker = farm.worker("alone", 1);
+    let mut status = farm.handle.watch(&id).expect("a job");
+    status.wait_for(|status| status.passes_done > 1).await.expect("the coordinator lives");
+    assert_eq!(farm.handle.cancel(&id).expect("a job").state, JobState::Cancelled);
+    assert!(farm.handle.picture(&id).await.is_ok());
+    let next = farm.submit("statistics", passes(2)).await;
+    assert_eq!(farm.end(&next).await.state, JobState::Done);
+    assert_eq!(farm.end(&id).await.state, JobState::Cancelled);
+}
+
+/// A worker made by hand, to send what a real one would not.
+struct Hand {
+    http: reqwest::Client,
+    base: String,
+    id: u64,
+}
+
+impl Hand {
+    async fn register(farm: &Farm, build: &str) -> Result<Self, reqwest::StatusCode> {
+        let mut hand = Self { http: reqwest::Client::new(), base: format!("{}/farm/v1", farm.url()), id: 0 };
+        let request = RegisterRequest { name: "hand".into(), threads: 1, build: build.into(), features: String::new() };
+        let (status, body) = hand.post("register", request.encode_to_vec()).await;
+        if !status.is_success() {
+            return Err(status);
+        }
+        hand.id = RegisterResponse::decode(&body[..]).expect("a message").worker;
+        Ok(hand)
+    }
+
+    async fn post(&self, path: &str, body: Vec<u8>) -> (reqwest::StatusCode, Vec<u8>) {
+        let response = self.http.post(format!("{}/{path}", self.base)).body(body).send().await.expect("an answer");
+        (response.status(), response.bytes().await.expect("a body").to_vec())
+    }
+
+    async fn lease(&self) -> messages::Lease {
+        let (_, body) = self.post("lease", LeaseRequest { worker: self.id }.encode_to_vec()).await;
+        LeaseResponse::decode(&body[..]).expect("a message").lease.expect("work")
+    }
+
+    async fn deliver(&self, lease: &messages::Lease, outcome: Option<Outcome>) -> u16 {
+        let request = ResultRequest { worker: self.id, lease: lease.id, fencing: lease.fencing, outcome };
+        self.post("result", request.encode_to_vec()).await.0.as_u16()
+    }
+}
+
+/// The shard of a lease, when it is not the pilot's.
+fn shard(lease: &messages::Lease) -> Option<Shard> {
+    decode_lease(lease.clone()).expect("a good lease").work.map(|planned| planned.shard)
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_hostile_worker_disturbs_nobody() {
+    let farm = Farm::start(Duration::from_secs(1)).await;
+    assert_eq!(Hand::register(&farm, "another build").await.err().map(|status| status.as_u16()), Some(409));
+    let hand = Hand::register(&farm, BUILD).await.expect("a place");
+    let id = farm.submit("statistics", passes(75)).await;
+
+    let pilot = hand.lease().await;
+    assert_eq!(hand.post("result", vec![0xff; 50]).await.0, 400);
+    assert_eq!(hand.deliver(&pilot, None).await, 422);
+    let (stop, worker) = farm.worker("honest", 1);
+    let mut status = farm.handle.watch(&id).expect("a job");
+    status.wait_for(|status| status.passes_done > 0).await.expect("the coordinator lives");
+    stop.cancel();
+    worker.await.expect("no panic").expect("a clean end");
+
+    let lease = hand.lease().await;
+    let mut tally = Tally::zero(shard(&lease).expect("a shard"), 40);
+    tally.photons_emitted = 1;
+    tally.pixels[5].flux[1] = f32::NAN;
+    let wrong = Some(Outcome::Tally(encode_tally(&tally)));
+    let other = messages::Lease { fencing: lease.fencing + 1, ..lease.clone() };
+    assert_eq!(hand.deliver(&other, wrong.clone()).await, 409, "another fencing number");
+    assert_eq!(hand.deliver(&lease, wrong.clone()).await, 422, "not a number");
+    assert_eq!(hand.deliver(&lease, wrong).await, 409, "the lease is gone");
+
+    let _worker = farm.worker("honest again", 1);
+    assert!(farm.bits(&id).await == reference("statistics", 75).await);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn requests_that_cannot_be_met_say_why() {
+    let farm = Farm::start(Duration::from_secs(15)).await;
+    let stop = WorkerOptions { coordinator: "localhost:80".into(), name: "lost".into(), threads: 1 };
+    assert!(matches!(run_worker(stop, CancellationToken::new()).await, Err(WorkerError::BadAddress { .. })));
+    assert!(matches!(farm.handle.add_scene(b"<scene".to_vec()).await, Err(FarmError::BadScene(_))));
+    assert!(matches!(farm.handle.job("job-1"), Err(FarmError::UnknownJob(_))));
+    let scene = farm.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
+    let parameters = serde_json::Map::new();
+    let good = JobRequest { scene, method: None, parameters, stop: StopRule::default(), seed: 0 };
+    let unknown = JobRequest { scene: "00".into(), ..good.clone() };
+    assert!(matches!(farm.handle.submit(unknown).await, Err(FarmError::UnknownScene(_))));
+    let method = JobRequest { method: Some("magic".into()), ..good.clone() };
+    assert!(matches!(farm.handle.submit(method).await, Err(FarmError::BadMethod(_))));
+    for stop in [passes(0), StopRule { passes: None, seconds: Some(f64::NAN) }] {
+        let never = JobRequest { stop, ..good.clone() };
+        assert!(matches!(farm.handle.submit(never).await, Err(FarmError::BadRequest { .. })));
+    }
+    farm.handle.shutdown().await;
+    assert!(matches!(farm.handle.submit(good).await, Err(FarmError::ShuttingDown)));
+}
