@@ -106,6 +106,7 @@ struct WantedLayers {
 }
 
 impl WantedLayers {
+    #[expect(clippy::result_large_err, reason = "made at most once a request")]
     fn parse(list: &str) -> Result<Self, Problem> {
         let mut wanted = Self { radius: false, photons: false };
         for name in list.split(',').map(str::trim).filter(|name| !name.is_empty()) {
