@@ -1,9 +1,9 @@
 //! Path, query and body of a request. They do what axum's extractors of similar names do, and answer errors as
 //! [`Problem`]s.
 
-use axum::Json;
 use axum::body::Bytes;
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
+use axum::http::header::CONTENT_TYPE;
 use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
@@ -21,11 +21,18 @@ pub struct PathValue<T>(pub T);
 /// The values after the `?`.
 pub struct QueryValues<T>(pub T);
 
+// Not by way of axum's `Json`, whose errors do not give the line and the column.
 impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for JsonBody<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Self, Problem> {
-        Ok(Self(Json::from_request(request, state).await?.0))
+        let content_type = request.headers().get(CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or("");
+        let media_type = content_type.split(';').next().unwrap_or("").trim();
+        if !media_type.eq_ignore_ascii_case("application/json") {
+            return Err(Problem::not_said_to_be_json(media_type));
+        }
+        let RawBody(bytes) = RawBody::from_request(request, state).await?;
+        Ok(Self(serde_json::from_slice(&bytes).map_err(Problem::from)?))
     }
 }
 

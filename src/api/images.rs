@@ -106,6 +106,7 @@ struct WantedLayers {
 }
 
 impl WantedLayers {
+    #[expect(clippy::result_large_err, reason = "made at most once a request")]
     fn parse(list: &str) -> Result<Self, Problem> {
         let mut wanted = Self { radius: false, photons: false };
         for name in list.split(',').map(str::trim).filter(|name| !name.is_empty()) {
@@ -158,8 +159,14 @@ async fn encode(
     Ok(encoded.map_err(|error| FarmError::Internal(error.to_string()))?)
 }
 
+/// Names the bytes by all that they follow from; ids alone begin anew when a coordinator does.
 fn etag(status: &JobStatus, variant: &str) -> String {
-    format!("\"{}-{}-{variant}\"", status.id, status.picture_version)
+    let parameters = serde_json::Value::Object(status.parameters.clone()).to_string();
+    let JobStatus { id, scene, method, seed, passes_done, photons_emitted, picture_version, .. } = status;
+    let counts = [*seed, u64::from(*passes_done), *photons_emitted, *picture_version].map(|count| count.to_string());
+    let facts = [id.as_str(), scene, method, &parameters, &counts.join(","), variant];
+    let hash = blake3::hash(facts.join("\n").as_bytes()).to_hex();
+    format!("\"{}\"", &hash[..32])
 }
 
 /// The answer 304, when the request names the picture that there is now.

@@ -118,6 +118,7 @@ pub async fn submit_job(
     Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)).into_response())
 }
 
+#[expect(clippy::result_large_err, reason = "made at most once a request")]
 fn inline_scene_bytes(scene: serde_json::Value) -> Result<Vec<u8>, Problem> {
     match scene {
         serde_json::Value::String(xml) => Ok(xml.into_bytes()),

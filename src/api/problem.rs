@@ -1,9 +1,7 @@
 //! Every error answer of the API: `application/problem+json` (RFC 9457) with the remedy and, where there is one, the
 //! place in what the user sent.
 
-use std::error::Error;
-
-use axum::extract::rejection::{BytesRejection, JsonRejection, PathRejection, QueryRejection};
+use axum::extract::rejection::{BytesRejection, PathRejection, QueryRejection};
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
@@ -61,6 +59,13 @@ impl Problem {
     /// Something in a request that has the right form but an impossible value.
     pub fn bad_request(detail: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-request", detail).remedy(remedy)
+    }
+
+    /// A body that should be JSON and is not said to be.
+    pub fn not_said_to_be_json(media_type: &str) -> Self {
+        let detail = format!("the body is said to be \"{media_type}\" where JSON is expected");
+        Self::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "wrong-content-type", detail)
+            .remedy("send JSON with the header Content-Type: application/json")
     }
 
     /// The last word of the kind, for example `unknown-job`.
@@ -129,36 +134,15 @@ impl From<MethodError> for Problem {
     }
 }
 
-impl From<JsonRejection> for Problem {
-    fn from(rejection: JsonRejection) -> Self {
-        let status = rejection.status();
-        let detail = rejection.body_text();
-        let problem = match rejection {
-            JsonRejection::MissingJsonContentType(_) => Self::new(status, "wrong-content-type", detail)
-                .remedy("send JSON with the header Content-Type: application/json"),
-            JsonRejection::BytesRejection(rejection) => return Self::from(rejection),
-            JsonRejection::JsonSyntaxError(_) => {
-                Self::new(status, "bad-json", detail).remedy("correct the JSON at that place")
-            }
-            _ => Self::new(status, "bad-request", detail).remedy("see /v1/openapi.json for what may be sent"),
+impl From<serde_json::Error> for Problem {
+    fn from(error: serde_json::Error) -> Self {
+        let problem = if error.is_data() {
+            Self::bad_request(error.to_string(), "see /v1/openapi.json for what may be sent")
+        } else {
+            Self::new(StatusCode::BAD_REQUEST, "bad-json", error.to_string()).remedy("correct the JSON at that place")
         };
-        match json_place(&rejection) {
-            Some(place) => problem.place(place),
-            None => problem,
-        }
+        problem.place(format!("line {}, column {}", error.line(), error.column()))
     }
-}
-
-/// Line and column of the JSON error below `error`.
-fn json_place(error: &(dyn Error + 'static)) -> Option<String> {
-    let mut cause = Some(error);
-    while let Some(error) = cause {
-        if let Some(json) = error.downcast_ref::<serde_json::Error>() {
-            return Some(format!("line {}, column {}", json.line(), json.column()));
-        }
-        cause = error.source();
-    }
-    None
 }
 
 impl From<BytesRejection> for Problem {

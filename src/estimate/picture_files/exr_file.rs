@@ -28,9 +28,11 @@ pub fn encode_exr(
         return Err(PictureFileError::Encode { problem });
     }
     let channels = channels.into_iter().map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
-    let mut layer_attributes = LayerAttributes::default();
-    layer_attributes.software_name = Some(concat!("photonfarm ", env!("CARGO_PKG_VERSION")).into());
-    layer_attributes.other.extend(attributes(metadata));
+    let layer_attributes = LayerAttributes {
+        software_name: Some(concat!("photonfarm ", env!("CARGO_PKG_VERSION")).into()),
+        other: attributes(metadata).into_iter().collect(),
+        ..LayerAttributes::default()
+    };
     let channels = AnyChannels::sort(channels.collect());
     let image = Image::from_layer(Layer::new(size, layer_attributes, Encoding::SMALL_LOSSLESS, channels));
     let mut file = Cursor::new(Vec::new());

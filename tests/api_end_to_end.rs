@@ -1,0 +1,241 @@
+//! The API over real HTTP: a coordinator at a free port, workers in this process, and a plain client.
+
+use std::time::Duration;
+
+use photonfarm::api;
+use photonfarm::estimate::picture_files::decode_exr;
+use photonfarm::farm::worker::{WorkerOptions, run_worker};
+use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions};
+use reqwest::header;
+use serde_json::{Value, json};
+use tokio_util::sync::{CancellationToken, DropGuard};
+
+const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
+
+/// A coordinator and its workers; all end when this is dropped.
+struct Farm {
+    base: String,
+    http: reqwest::Client,
+    _shutdown: DropGuard,
+}
+
+impl Farm {
+    async fn start(workers: usize) -> Self {
+        let shutdown = CancellationToken::new();
+        let coordinator = CoordinatorHandle::start(CoordinatorOptions::default());
+        let application = api::application(coordinator, shutdown.clone());
+        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.expect("a free port");
+        let base = format!("http://{}", listener.local_addr().expect("an address"));
+        tokio::spawn(async move { axum::serve(listener, application).await });
+        for index in 0..workers {
+            let options = WorkerOptions { coordinator: base.clone(), name: format!("worker-{index}"), threads: 1 };
+            tokio::spawn(run_worker(options, shutdown.clone()));
+        }
+        let http = reqwest::Client::builder().no_proxy().timeout(Duration::from_secs(120)).build().expect("a client");
+        Self { base, http, _shutdown: shutdown.drop_guard() }
+    }
+
+    async fn get(&self, path: &str) -> reqwest::Response {
+        self.http.get(format!("{}{path}", self.base)).send().await.expect("an answer")
+    }
+
+    async fn post(&self, path: &str, body: impl Into<reqwest::Body>) -> reqwest::Response {
+        let request = self.http.post(format!("{}{path}", self.base)).header(header::CONTENT_TYPE, "application/json");
+        request.body(body).send().await.expect("an answer")
+    }
+
+    /// Submits a job of the furnace with an inline scene; tells its id.
+    async fn submit(&self, stop: Value) -> String {
+        let job = json!({ "scene_inline": SCENE, "method": "sppm", "parameters": { "photons_per_pass": 2000 }, "stop": stop });
+        let response = self.post("/v1/jobs", job.to_string()).await;
+        let (status, body) = answer(response).await;
+        assert_eq!(status, 202, "{body}");
+        body["id"].as_str().expect("an id").to_owned()
+    }
+
+    /// Reads a job's events until the stream ends.
+    async fn events(&self, id: &str) -> Vec<Value> {
+        let text = self.get(&format!("/v1/jobs/{id}/events")).await.text().await.expect("a stream that ends");
+        let data = text.lines().filter_map(|line| line.strip_prefix("data:"));
+        data.map(|data| serde_json::from_str(data).expect("JSON")).collect()
+    }
+}
+
+async fn answer(response: reqwest::Response) -> (u16, Value) {
+    let status = response.status().as_u16();
+    let bytes = response.bytes().await.expect("a body");
+    (status, serde_json::from_slice(&bytes).expect("JSON"))
+}
+
+/// Checks that an answer is a problem of the expected kind, and gives it.
+async fn problem(response: reqwest::Response, status: u16, kind: &str) -> Value {
+    let content_type = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
+    let (found, body) = answer(response).await;
+    assert_eq!((found, content_type.as_str()), (status, "application/problem+json"), "{body}");
+    assert_eq!(body["type"], format!("urn:photonfarm:problem:{kind}"));
+    assert_eq!(body["status"], status);
+    assert!(body["detail"].as_str().is_some_and(|detail| !detail.is_empty()), "{body}");
+    assert!(body["remedy"].as_str().is_some_and(|remedy| !remedy.is_empty()), "{body}");
+    body
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_scene_becomes_a_picture() {
+    let farm = Farm::start(2).await;
+    let uploaded = farm.post("/v1/scenes", SCENE).await;
+    let location = uploaded.headers()[header::LOCATION].to_str().expect("text").to_owned();
+    let (status, scene) = answer(uploaded).await;
+    assert_eq!((status, &scene["width"], &scene["height"]), (201, &json!(64), &json!(64)));
+    assert_eq!(scene["links"]["self"], location);
+    assert_eq!(answer(farm.get(&location).await).await, (200, scene.clone()));
+
+    let job = json!({ "scene": scene["hash"], "method": "sppm", "parameters": { "photons_per_pass": 2000 }, "stop": { "passes": 4 }, "seed": 7 });
+    let accepted = farm.post("/v1/jobs", job.to_string()).await;
+    let location = accepted.headers()[header::LOCATION].to_str().expect("text").to_owned();
+    let (status, job) = answer(accepted).await;
+    assert_eq!((status, &job["links"]["self"]), (202, &json!(location)));
+
+    let events = farm.events(job["id"].as_str().expect("an id")).await;
+    let last = events.last().expect("at least one event");
+    assert_eq!((&last["state"], &last["passes_done"], &last["seed"]), (&json!("done"), &json!(4), &json!(7)));
+    let (_, list) = answer(farm.get("/v1/jobs").await).await;
+    assert_eq!(list["jobs"][0]["links"], job["links"]);
+    let (_, workers) = answer(farm.get("/v1/workers").await).await;
+    assert_eq!(workers["workers"].as_array().map(Vec::len), Some(2));
+
+    let path = job["links"]["image_exr"].as_str().expect("an address");
+    let image = farm.get(path).await;
+    assert_eq!(image.headers()[header::CONTENT_TYPE], "image/x-exr");
+    assert_eq!(image.headers()[header::CACHE_CONTROL], "no-cache");
+    let picture = decode_exr(&image.bytes().await.expect("bytes")).expect("an EXR");
+    assert_eq!((picture.width, picture.height), (64, 64));
+    assert!(picture.radiance.iter().flatten().all(|value| value.is_finite() && *value > 0.0));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_unchanged_image_is_not_sent_twice() {
+    let farm = Farm::start(1).await;
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    farm.events(&id).await;
+    let mut tags = Vec::new();
+    for variant in ["image.png", "image.png?exposure=1.5", "image.exr", "image.exr?layers=radius,photons"] {
+        let path = format!("/v1/jobs/{id}/{variant}");
+        let first = farm.get(&path).await;
+        let tag = first.headers()[header::ETAG].to_str().expect("text").to_owned();
+        let bytes = first.bytes().await.expect("bytes");
+        let ask = |tag: String| farm.http.get(format!("{}{path}", farm.base)).header(header::IF_NONE_MATCH, tag).send();
+        let unchanged = ask(format!("\"other\", {tag}")).await.expect("an answer");
+        assert_eq!((unchanged.status().as_u16(), unchanged.headers()[header::ETAG].to_str().ok()), (304, Some(&*tag)));
+        let other = ask("\"other\"".to_owned()).await.expect("an answer");
+        assert_eq!(
+            (other.status().as_u16(), other.bytes().await.expect("bytes")),
+            (200, bytes),
+            "the same bytes again"
+        );
+        tags.push(tag);
+    }
+    tags.dedup();
+    assert_eq!(tags.len(), 4, "every variant has its own tag");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_cancelled_job_ends_and_stays_cancelled() {
+    let farm = Farm::start(0).await;
+    let id = farm.submit(json!({ "passes": 1000 })).await;
+    problem(farm.get(&format!("/v1/jobs/{id}/image.png")).await, 404, "no-picture-yet").await;
+    let (status, job) = answer(farm.post(&format!("/v1/jobs/{id}/cancel"), "").await).await;
+    assert_eq!(status, 200, "{job}");
+    let events = farm.events(&id).await;
+    assert_eq!(events.last().expect("an event")["state"], "cancelled");
+    let (_, again) = answer(farm.post(&format!("/v1/jobs/{id}/cancel"), "").await).await;
+    assert_eq!(again["state"], "cancelled");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn unknown_things_are_told() {
+    let farm = Farm::start(0).await;
+    problem(farm.get("/v1/nothing").await, 404, "unknown-address").await;
+    problem(farm.get("/v1/jobs/none").await, 404, "unknown-job").await;
+    problem(farm.get("/v1/jobs/none/events").await, 404, "unknown-job").await;
+    problem(farm.get("/v1/jobs/none/image.exr").await, 404, "unknown-job").await;
+    problem(farm.get(&format!("/v1/scenes/{}", "0".repeat(64))).await, 404, "unknown-scene").await;
+    let refused = farm.post("/v1/workers", "").await;
+    assert!(refused.headers()[header::ALLOW].to_str().expect("text").contains("GET"));
+    problem(refused, 405, "method-not-allowed").await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn bad_jobs_are_refused_with_place_and_remedy() {
+    let farm = Farm::start(0).await;
+    let syntax = problem(farm.post("/v1/jobs", "{\n \"scene\": }").await, 400, "bad-json").await;
+    assert_eq!(syntax["place"], "line 2, column 11");
+    let unknown = problem(farm.post("/v1/jobs", "{\"sceen\": 1}").await, 422, "bad-request").await;
+    assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("sceen")), "{unknown}");
+    problem(farm.post("/v1/jobs", "{}").await, 422, "bad-request").await;
+    problem(farm.post("/v1/jobs", json!({ "scene_inline": 3 }).to_string()).await, 422, "bad-request").await;
+    let scene = json!({ "scene": "0".repeat(64) }).to_string();
+    problem(farm.post("/v1/jobs", scene).await, 422, "unknown-scene").await;
+    let job = |extra: Value| {
+        let mut job = json!({ "scene_inline": SCENE, "method": "sppm" });
+        job.as_object_mut().expect("an object").extend(extra.as_object().expect("an object").clone());
+        farm.post("/v1/jobs", job.to_string())
+    };
+    problem(job(json!({ "method": "spmm" })).await, 422, "bad-method").await;
+    problem(job(json!({ "parameters": { "alpha": 2 } })).await, 422, "bad-method").await;
+    problem(job(json!({ "parameters": { "photons_per_pass": 0 } })).await, 422, "bad-method").await;
+    problem(job(json!({ "stop": { "seconds": -1 } })).await, 422, "bad-request").await;
+    problem(job(json!({ "stop": { "passes": 0 } })).await, 422, "bad-request").await;
+    let request = farm.http.post(format!("{}/v1/jobs", farm.base)).body("{}").send().await.expect("an answer");
+    problem(request, 415, "wrong-content-type").await;
+    let (_, list) = answer(farm.get("/v1/jobs").await).await;
+    assert_eq!(list["jobs"], json!([]), "no refused job is kept");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn bad_scenes_are_refused_with_place_and_remedy() {
+    let farm = Farm::start(0).await;
+    let typo = SCENE.replace("hdrfilm", "hdrfil");
+    let refused = problem(farm.post("/v1/scenes", typo).await, 422, "bad-scene").await;
+    assert!(refused["remedy"].as_str().is_some_and(|remedy| remedy.contains("hdrfilm")), "{refused}");
+    assert!(refused["place"].as_str().is_some_and(|place| place.contains(':')), "{refused}");
+    problem(farm.post("/v1/scenes", "").await, 422, "bad-scene").await;
+    problem(farm.post("/v1/scenes", vec![0xff; 100]).await, 422, "bad-scene").await;
+    let too_long = "x".repeat(api::MAX_JOB_BYTES + 1);
+    problem(farm.post("/v1/jobs", too_long).await, 413, "too-large").await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn bad_image_options_are_refused() {
+    let farm = Farm::start(0).await;
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    let image = |options: &str| format!("/v1/jobs/{id}/{options}");
+    problem(farm.get(&image("image.png?exposure=bright")).await, 400, "bad-query").await;
+    problem(farm.get(&image("image.png?exposure=NaN")).await, 422, "bad-request").await;
+    problem(farm.get(&image("image.png?brightness=1")).await, 400, "bad-query").await;
+    problem(farm.get(&image("image.exr?layers=depth")).await, 422, "bad-request").await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn the_description_names_every_address() {
+    let farm = Farm::start(0).await;
+    let (_, description) = answer(farm.get("/openapi.json").await).await;
+    assert_eq!(answer(farm.get("/v1/openapi.json").await).await.1, description);
+    let mut paths: Vec<&str> = description["paths"].as_object().expect("paths").keys().map(String::as_str).collect();
+    paths.sort_unstable();
+    let expected = [
+        "/healthz",
+        "/v1/jobs",
+        "/v1/jobs/{id}",
+        "/v1/jobs/{id}/cancel",
+        "/v1/jobs/{id}/events",
+        "/v1/jobs/{id}/image.exr",
+        "/v1/jobs/{id}/image.png",
+        "/v1/scenes",
+        "/v1/scenes/{hash}",
+        "/v1/workers",
+    ];
+    assert_eq!(paths, expected);
+    assert_eq!(answer(farm.get("/healthz").await).await.1["status"], "ok");
+    let page = farm.get("/").await.text().await.expect("a page");
+    assert!(page.contains("photonfarm") && !page.contains("https://"), "loads nothing from elsewhere");
+}
