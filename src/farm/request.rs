@@ -9,8 +9,9 @@ use crate::scene::Integrator;
 
 /// The method of a scene and a request that name none.
 const DEFAULT_METHOD: &str = "sppm";
-/// Parameters that mean the same for every method.
-const SHARED_PARAMETERS: [&str; 2] = ["max_depth", "rr_depth"];
+/// Parameters that mean the same for every method. `rr_depth` is not one: it changes the time that a method takes, not the
+/// picture, and what suits path tracing does not suit photons.
+const SHARED_PARAMETERS: [&str; 1] = ["max_depth"];
 const PASSES_LIMIT: u32 = 1 << 31;
 
 /// A method that was checked, and what the user should know of the choice.

@@ -54,7 +54,7 @@ pub struct ProgressiveParameters {
     pub photons_per_pass: Value,
     /// First gather radius, m, above 0, or `auto`.
     pub initial_radius: Value,
-    /// Longest path in segments, 1 to 254, or -1 for unlimited.
+    /// Longest path in segments, 1 to 2³¹, or -1 for unlimited.
     pub max_depth: i64,
     /// Segments from which Russian roulette may end a path, at least 1.
     pub rr_depth: i64,
@@ -93,7 +93,7 @@ pub const HELP: &[ParameterHelp] = &[
         "auto: one per pixel, 65536 to 1048576",
     ),
     help("initial_radius", "first gather radius, m", "above 0, auto", "auto: per pixel by a pilot pass"),
-    help("max_depth", "longest path in segments (2 is direct light)", "1 to 254, -1 for unlimited", "-1"),
+    help("max_depth", "longest path in segments (2 is direct light)", "1 to 2147483648, -1 for unlimited", "-1"),
     help("rr_depth", "segments from which Russian roulette may end a path", "1 or more", "1"),
     help("direct", "how direct light is found", "sample, photons", "sample"),
     help("passes", "passes when no stop rule is given", "1 to 2147483648", "256"),
@@ -144,7 +144,7 @@ impl ProgressiveParameters {
             ("alpha", self.alpha > 0.0 && self.alpha < 1.0),
             ("photons_per_pass", self.photons().is_some()),
             ("initial_radius", self.first_radius().is_some()),
-            ("max_depth", self.max_depth == -1 || (1..=i64::from(Limits::LONGEST)).contains(&self.max_depth)),
+            ("max_depth", self.max_depth == -1 || (1..=1 << 31).contains(&self.max_depth)),
             ("rr_depth", self.rr_depth >= 1),
             ("passes", (1..=1 << 31).contains(&self.passes)),
             ("samples_per_pixel", (1..=64).contains(&self.samples_per_pixel)),

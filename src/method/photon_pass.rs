@@ -77,11 +77,6 @@ impl PhotonPasses {
         Some((PhotonMap::build(&chunks, grid), counters))
     }
 
-    /// Segments that a photon may have when the camera path took `camera_segments`; 255 is no limit.
-    pub fn most_photon_segments(&self, camera_segments: u32) -> u32 {
-        self.limits.max_depth.map_or(255, |limit| limit.saturating_sub(camera_segments))
-    }
-
     /// Where the search for first radii starts.
     pub fn radius_bounds(&self, photons: usize) -> RadiusBounds {
         RadiusBounds::new(self.scene.geometry.bounding_sphere().1, photons)

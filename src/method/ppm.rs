@@ -257,7 +257,7 @@ impl Ppm {
                 outgoing: point.hit.frame.to_local(point.hit.outgoing),
                 frame: point.hit.frame,
             };
-            let most_segments = self.passes.most_photon_segments(point.segments);
+            let most_segments = self.passes.limits.most_photon_segments(point.segments);
             let found = gather(map, &surface, radius_squared * pass.scale, most_segments);
             flux += point.throughput * found.0;
             photons += found.1;

@@ -102,7 +102,7 @@ impl Sppm {
             outgoing: point.hit.frame.to_local(point.hit.outgoing),
             frame: point.hit.frame,
         };
-        let most_segments = self.passes.most_photon_segments(point.segments);
+        let most_segments = self.passes.limits.most_photon_segments(point.segments);
         let (flux, photons) = gather(map, &surface, radius_squared * pass.scale, most_segments);
         add_to_tally(tally, pass, radiance, point.throughput * flux, photons, counters);
     }

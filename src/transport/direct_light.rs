@@ -71,6 +71,9 @@ fn sample_material(scene: &Scene, point: &GatherPoint, random: &PathRandom, coun
         return Rgb::ZERO;
     };
     let ray = hit.ray_to(scattering.direction);
+    if !scene.lights.may_be_hit(&scene.geometry, &ray) {
+        return Rgb::ZERO;
+    }
     counters.rays += 1;
     let arriving = match scene.geometry.intersect(&ray) {
         Some(next) => scene.lights.emitted(&scene.geometry, ray.origin, &next),

@@ -3,7 +3,8 @@
 /// Limits on path length. Segments are counted as in Mitsuba: emission that the camera sees has 1, direct light 2.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// The longest path from light to camera, in segments; `None` is unlimited. At most [`Limits::LONGEST`].
+    /// The longest path from light to camera, in segments; `None` is unlimited. Photons keep their segments in one byte:
+    /// with limits above [`Limits::LONGEST_EXACT`], camera segments of paths longer than that are not counted.
     pub max_depth: Option<u32>,
     /// From how many segments on Russian roulette may end a path.
     pub rr_depth: u32,
@@ -15,8 +16,14 @@ const SURE_SEGMENTS: u32 = 32;
 const LONGEST_SURVIVAL: f32 = 0.95;
 
 impl Limits {
-    /// The largest finite `max_depth`; a photon keeps its segment count in one byte.
-    pub const LONGEST: u32 = 254;
+    /// The largest limit that is kept to the segment.
+    pub const LONGEST_EXACT: u32 = 254;
+
+    /// Segments that a photon may have at the end of `camera_segments`; 255 lets all photons count.
+    #[inline]
+    pub fn most_photon_segments(&self, camera_segments: u32) -> u32 {
+        self.max_depth.map_or(255, |limit| limit.saturating_sub(camera_segments).min(255))
+    }
 
     /// Whether a path of `segments` is within the limit.
     #[inline]

@@ -18,6 +18,8 @@ pub struct Accelerator {
     /// World units to tree units.
     scale: f32,
     primitives: Vec<Primitive>,
+    /// Whether rays need their shear.
+    has_triangles: bool,
 }
 
 struct Bounds(Aabb);
@@ -37,8 +39,9 @@ impl Accelerator {
         let bounds: Vec<Bounds> = boxes.iter().map(|(low, high)| Bounds(padded(*low * scale, *high * scale))).collect();
         let tree = build_cwbvh(&bounds, BvhBuildParams::slow_build(), &mut Duration::default());
         let order = tree.primitive_indices.clone();
+        let has_triangles = primitives.iter().any(|primitive| matches!(primitive, Primitive::Triangle(_)));
         let primitives = order.iter().map(|index| primitives[*index as usize]).collect();
-        (Self { tree, scale, primitives }, order)
+        (Self { tree, scale, primitives, has_triangles }, order)
     }
 
     /// The primitives in tree order.
@@ -49,7 +52,7 @@ impl Accelerator {
     /// The nearest hit and the index of its primitive.
     #[inline]
     pub fn nearest(&self, ray: &Ray) -> Option<(usize, PrimitiveHit)> {
-        let shear = Shear::new(ray.direction);
+        let shear = self.shear(ray);
         let mut nearest = PrimitiveHit::at(ray.length);
         let mut found = usize::MAX;
         self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| {
@@ -67,13 +70,18 @@ impl Accelerator {
     /// Whether anything is hit before the ray's length.
     #[inline]
     pub fn is_blocked(&self, ray: &Ray) -> bool {
-        let shear = Shear::new(ray.direction);
+        let shear = self.shear(ray);
         !self.tree.ray_traverse_miss(self.tree_ray(ray), |_, index| {
             match self.primitives[index].intersect(ray, &shear, ray.length) {
                 Some(_) => 0.0,
                 None => f32::INFINITY,
             }
         })
+    }
+
+    #[inline]
+    fn shear(&self, ray: &Ray) -> Shear {
+        if self.has_triangles { Shear::new(ray.direction) } else { Shear::UNUSED }
     }
 
     #[inline]

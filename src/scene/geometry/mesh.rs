@@ -1,7 +1,8 @@
 //! Shapes made of triangles: `cube`, `ply`, `obj`.
 //!
 //! `cube` is [-1, 1]³ under any affine `to_world`, outside outwards. `ply` and `obj` read `filename` (relative to the scene);
-//! `face_normals` (boolean, false) ignores the file's normals; `flip_normals` (boolean, false); `flip_tex_coords` is read and
+//! `face_normals` (boolean, false) shades every triangle flat; otherwise the
+//! file's normals count, or smooth ones are made as in Mitsuba; `flip_normals` (boolean, false); `flip_tex_coords` is read and
 //! changes nothing while there are no textures.
 
 use glam::{DVec3, Vec3};
@@ -89,15 +90,36 @@ fn from_mesh(mesh: TriangleMesh, fields: &mut Fields<'_>) -> Result<ShapeGeometr
         .map(|point| to_single(to_world.point(Vec3::from_array(*point).as_dvec3()), fields))
         .collect::<Result<Vec<Vec3>, SceneError>>()?;
     let sign = if flip { -1.0 } else { 1.0 };
-    let normals: Vec<Vec3> = match face_normals {
-        true => Vec::new(),
-        false => mesh
+    let normals: Vec<Vec3> = match (face_normals, mesh.normals.is_empty()) {
+        (true, _) => Vec::new(),
+        (false, true) => smooth_normals(&mesh.triangles, &points).into_iter().map(|normal| normal * sign).collect(),
+        (false, false) => mesh
             .normals
             .iter()
             .map(|normal| (to_world.normal(Vec3::from_array(*normal).as_dvec3()) * sign).as_vec3())
             .collect(),
     };
     Ok(triangles_of(&mesh.triangles, &points, &normals, flip))
+}
+
+/// Vertex normals as means of the triangles around, weighted by their angle at the vertex [Thürmer & Wüthrich 1998].
+fn smooth_normals(triangles: &[[u32; 3]], points: &[Vec3]) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::ZERO; points.len()];
+    for indices in triangles {
+        let corners = indices.map(|index| points[index as usize]);
+        let Some(face) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).try_normalize() else { continue };
+        for corner in 0..3 {
+            let [a, b, c] = [corner, (corner + 1) % 3, (corner + 2) % 3].map(|index| corners[index]);
+            let cosine = (b - a).normalize_or_zero().dot((c - a).normalize_or_zero()).clamp(-1.0, 1.0);
+            normals[indices[corner] as usize] += face * libm::acosf(cosine);
+        }
+    }
+    normals.into_iter().map(Vec3::normalize_or_zero).map(usable_or_nan).collect()
+}
+
+/// Vertices without triangles have no normal; [`triangles_of`] replaces what is not finite.
+fn usable_or_nan(normal: Vec3) -> Vec3 {
+    if normal == Vec3::ZERO { Vec3::NAN } else { normal }
 }
 
 fn triangles_of(triangles: &[[u32; 3]], points: &[Vec3], normals: &[Vec3], flip: bool) -> ShapeGeometry {

@@ -38,7 +38,7 @@ macro_rules! primitives {
 
         impl Primitive {
             /// Nearest hit before `length`, m.
-            #[inline]
+            #[inline(always)]
             pub fn intersect(&self, ray: &Ray, shear: &Shear, length: f32) -> Option<PrimitiveHit> {
                 match self { $(Self::$kind(primitive) => primitive.intersect(ray, shear, length)),+ }
             }

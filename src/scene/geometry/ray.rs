@@ -36,6 +36,9 @@ pub struct Shear {
 }
 
 impl Shear {
+    /// Stands where no triangle will be tested.
+    pub const UNUSED: Self = Self { axes: [0, 1, 2], shear: [0.0, 0.0, 1.0] };
+
     /// The shear of a unit direction.
     #[inline]
     pub fn new(direction: Vec3) -> Self {

@@ -39,6 +39,11 @@ impl AreaLight {
         Some(Self { radiance, primitives, by_area, area })
     }
 
+    /// Tree indices of its primitives.
+    pub fn primitives(&self) -> &[u32] {
+        &self.primitives
+    }
+
     /// π·A·L: one side emits.
     pub fn power(&self) -> Rgb {
         self.radiance * (PI * self.area)

@@ -4,8 +4,9 @@ use super::{Constant, DirectSample, EmittedPhoton, Light};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
 use crate::math::{Rgb, Vec3};
+use crate::scene::geometry::ray::Shear;
 use crate::scene::geometry::surface::NO_LIGHT;
-use crate::scene::geometry::{Geometry, Interaction};
+use crate::scene::geometry::{Geometry, Interaction, Ray};
 
 /// The lights, and the probabilities with which they are picked.
 pub struct LightTable {
@@ -13,7 +14,12 @@ pub struct LightTable {
     by_power: Discrete,
     environment: Option<(usize, Constant)>,
     has_extent: bool,
+    /// Tree indices of all emitting primitives, when they are so few that testing them all costs less than a ray.
+    few_emitters: Option<Vec<u32>>,
 }
+
+/// Up to so many primitives are tested one by one.
+const FEW: usize = 8;
 
 impl LightTable {
     /// A table; `None` when no light emits anything.
@@ -25,7 +31,17 @@ impl LightTable {
             _ => None,
         });
         let has_extent = lights.iter().any(Light::has_extent);
-        Some(Self { lights, by_power, environment, has_extent })
+        let emitters: Vec<u32> = lights
+            .iter()
+            .filter_map(|light| match light {
+                Light::AreaLight(area) => Some(area.primitives()),
+                _ => None,
+            })
+            .flatten()
+            .copied()
+            .collect();
+        let few_emitters = (emitters.len() <= FEW).then_some(emitters);
+        Some(Self { lights, by_power, environment, has_extent, few_emitters })
     }
 
     /// The lights.
@@ -36,6 +52,14 @@ impl LightTable {
     /// Whether directions can hit any light by chance.
     pub fn has_extent(&self) -> bool {
         self.has_extent
+    }
+
+    /// Whether `ray` could reach any light if nothing were in between. False spares a walk through the whole scene.
+    #[inline]
+    pub fn may_be_hit(&self, geometry: &Geometry, ray: &Ray) -> bool {
+        let Some(emitters) = self.few_emitters.as_ref().filter(|_| self.environment.is_none()) else { return true };
+        let shear = Shear::new(ray.direction);
+        emitters.iter().any(|index| geometry.primitive(*index).intersect(ray, &shear, ray.length).is_some())
     }
 
     /// Picks a light with `u[0]` and samples what may arrive from it at `point`; densities include the pick.
