@@ -1,20 +1,26 @@
-//! `disk`: the unit disc in the xy plane, outside towards +z, then `to_world` (a similarity). `flip_normals` (boolean, false).
+//! `disk`: the unit disc in the xy plane, outside towards +z, under any affine `to_world` (an ellipse when that is uneven).
+//!
+//! Parameters: `to_world` (transform, identity), `flip_normals` (boolean, false).
 
 use glam::{DVec3, Vec3};
 
 use super::Primitive;
 use super::mesh::ShapeGeometry;
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
+use super::rectangle::dual_vectors;
 use super::transform::{ToWorld, to_single};
-use crate::math::{Frame, warp};
+use crate::math::warp;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 
-/// A flat disc.
+/// A flat ellipse.
 #[derive(Clone, Copy, Debug)]
 pub struct Disk {
     center: Vec3,
-    radius: f32,
+    /// Conjugate half axes.
+    half: [Vec3; 2],
+    /// Dual to `half` within the plane: `dual[i]·half[j] = δij`.
+    dual: [Vec3; 2],
     normal: Vec3,
 }
 
@@ -22,9 +28,11 @@ pub struct Disk {
 pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
+    let (x, y) = (to_world.vector(DVec3::X), to_world.vector(DVec3::Y));
     let disk = Disk {
         center: to_single(to_world.point(DVec3::ZERO), fields)?,
-        radius: to_single(DVec3::splat(to_world.uniform_scale(fields)?), fields)?.x,
+        half: [to_single(x, fields)?, to_single(y, fields)?],
+        dual: dual_vectors(x, y),
         normal: to_world.normal(DVec3::Z).as_vec3() * if flip { -1.0 } else { 1.0 },
     };
     Ok(ShapeGeometry::from_primitives(vec![Primitive::Disk(disk)]))
@@ -40,7 +48,8 @@ impl Disk {
             return None;
         }
         let local = ray.direction * distance - to_center;
-        (local.length_squared() <= self.radius * self.radius).then(|| PrimitiveHit::at(distance))
+        let (u, v) = (local.dot(self.dual[0]), local.dot(self.dual[1]));
+        (u * u + v * v <= 1.0).then(|| PrimitiveHit::at(distance))
     }
 
     /// The point of a hit, moved back into the plane.
@@ -51,26 +60,26 @@ impl Disk {
     }
 
     fn point(&self, position: Vec3) -> SurfacePoint {
-        let error = position_error(largest(self.center) + self.radius);
+        let error = position_error(largest(self.center) + largest(self.half[0]) + largest(self.half[1]));
         SurfacePoint { position, normal: self.normal, error }
     }
 
     /// Area, m².
     pub fn area(&self) -> f32 {
-        std::f32::consts::PI * self.radius * self.radius
+        std::f32::consts::PI * self.half[0].cross(self.half[1]).length()
     }
 
     /// Smallest and largest coordinates.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        // A disc reaches r·√(1 - nᵢ²) along axis i.
-        let reach = (Vec3::ONE - self.normal * self.normal).max(Vec3::ZERO).map(f32::sqrt) * self.radius;
+        // An ellipse a·cos t + b·sin t reaches √(aᵢ² + bᵢ²) along axis i.
+        let [a, b] = self.half;
+        let reach = (a * a + b * b).map(f32::sqrt);
         (self.center - reach, self.center + reach)
     }
 
     /// A point uniform by area.
     pub fn sample(&self, u: [f32; 2]) -> SurfacePoint {
-        let frame = Frame::from_normal(self.normal);
-        let point = warp::disc(u) * self.radius;
-        self.point(self.center + frame.tangent * point.x + frame.bitangent * point.y)
+        let point = warp::disc(u);
+        self.point(self.center + self.half[0] * point.x + self.half[1] * point.y)
     }
 }

@@ -28,15 +28,20 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
     let (x, y) = (to_world.vector(DVec3::X), to_world.vector(DVec3::Y));
     let normal = to_world.normal(DVec3::Z) * if flip { -1.0 } else { 1.0 };
-    let (xx, xy, yy) = (x.dot(x), x.dot(y), y.dot(y));
-    let determinant = xx * yy - xy * xy;
     let rectangle = Rectangle {
         center: to_single(to_world.point(DVec3::ZERO), fields)?,
         half: [to_single(x, fields)?, to_single(y, fields)?],
-        dual: [((x * yy - y * xy) / determinant).as_vec3(), ((y * xx - x * xy) / determinant).as_vec3()],
+        dual: dual_vectors(x, y),
         normal: normal.as_vec3(),
     };
     Ok(ShapeGeometry::from_primitives(vec![Primitive::Rectangle(rectangle)]))
+}
+
+/// The vectors in the plane of `x` and `y` with `dual[0]·x = dual[1]·y = 1` and `dual[0]·y = dual[1]·x = 0`.
+pub fn dual_vectors(x: DVec3, y: DVec3) -> [Vec3; 2] {
+    let (xx, xy, yy) = (x.dot(x), x.dot(y), y.dot(y));
+    let determinant = xx * yy - xy * xy;
+    [((x * yy - y * xy) / determinant).as_vec3(), ((y * xx - x * xy) / determinant).as_vec3()]
 }
 
 impl Rectangle {

@@ -36,6 +36,7 @@ pub struct Gathered {
 
 const LANES: usize = 8;
 type Lanes = [f32; LANES];
+const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 #[derive(Default)]
 struct LaneSums {
@@ -95,7 +96,7 @@ impl PhotonMap {
             let here = index..index + LANES;
             let columns = (&x[here.clone()], &y[here.clone()], &z[here.clone()]);
             let normals = &self.photons.normal_and_segments[here.clone()];
-            let left = (last - index) as u32;
+            let left = (last - index).min(LANES) as i32;
             let mut mask = [0.0; LANES];
             for lane in 0..LANES {
                 let dx = columns.0[lane] - query.position.x;
@@ -111,14 +112,16 @@ impl PhotonMap {
                     & (height.abs() <= flatness)
                     & (cosine > LEAST_NORMAL_COSINE)
                     & (code >> 24 <= query.most_segments)
-                    & ((lane as u32) < left);
-                mask[lane] = f32::from(u8::from(counts));
+                    & (LANE[lane] < left);
+                mask[lane] = if counts { 1.0 } else { 0.0 };
             }
-            let flux = [&red[here.clone()], &green[here.clone()], &blue[here]];
+            // One loop per sum: together they would be shuffled between registers.
             for lane in 0..LANES {
                 sums.photons[lane] += mask[lane];
-                for channel in 0..3 {
-                    sums.flux[channel][lane] += mask[lane] * flux[channel][lane];
+            }
+            for (sum, flux) in sums.flux.iter_mut().zip([&red[here.clone()], &green[here.clone()], &blue[here]]) {
+                for lane in 0..LANES {
+                    sum[lane] += mask[lane] * flux[lane];
                 }
             }
             index += LANES;
