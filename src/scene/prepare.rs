@@ -13,8 +13,8 @@ use super::geometry::surface::NO_LIGHT;
 use super::geometry::{Geometry, Shape};
 use super::light::area::read_radiance;
 use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
-use super::material::{self, Lobes, Material};
-use crate::math::Rgb;
+use super::material::{self, Lobes, Material, TransportMode};
+use crate::math::{Rgb, Vec2};
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
 pub struct Scene {
@@ -83,6 +83,7 @@ impl Scene {
         let Builder { shapes, area_lights, materials, notices, .. } = builder;
         let (mut geometry, members) = Geometry::build(shapes);
         let lights = light_table(&mut geometry, &members, &area_lights, &emitters, root)?;
+        check_view(&camera, &geometry, &materials, sensor)?;
         Ok(Self { width: film.width, height: film.height, camera, geometry, materials, lights, integrator, notices })
     }
 
@@ -105,6 +106,25 @@ impl Scene {
             transmissive: all.transmissive || one.transmissive,
         })
     }
+}
+
+/// A camera that sees nothing but the black backs of one-sided surfaces stands inside a solid.
+fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sensor: &Node) -> Result<(), SceneError> {
+    const SIDE: usize = 16;
+    let sees_black_back = |index: usize| {
+        let place = Vec2::new((index % SIDE) as f32 + 0.5, (index / SIDE) as f32 + 0.5) / SIDE as f32;
+        let hit = geometry.intersect(&camera.ray(place, [0.5; 2]));
+        hit.is_some_and(|hit| {
+            let outgoing = hit.frame.to_local(hit.outgoing);
+            let material = &materials[hit.shape.material as usize];
+            outgoing.z < 0.0 && material.sample(outgoing, TransportMode::Radiance, [0.5; 3]).is_none()
+        })
+    };
+    if !(0..SIDE * SIDE).all(sees_black_back) {
+        return Ok(());
+    }
+    let problem = "the camera sees only the black backs of one-sided surfaces: it seems to stand inside a solid";
+    Err(SceneError::new(&sensor.location, problem, "move it out, or make those surfaces \"twosided\""))
 }
 
 impl Builder {

@@ -96,7 +96,7 @@ fn from_mesh(mesh: TriangleMesh, fields: &mut Fields<'_>) -> Result<ShapeGeometr
         (false, false) => mesh
             .normals
             .iter()
-            .map(|normal| (to_world.normal(Vec3::from_array(*normal).as_dvec3()) * sign).as_vec3())
+            .map(|normal| to_world.normal(Vec3::from_array(*normal).as_dvec3()).as_vec3() * sign)
             .collect(),
     };
     Ok(triangles_of(&mesh.triangles, &points, &normals, flip))
