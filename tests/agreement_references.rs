@@ -49,7 +49,7 @@ fn agreement_lantern() {
 
 #[test]
 fn agreement_spot_mirror() {
-    check_reference("spot-mirror", 0.01, [0.065, 0.26]);
+    check_reference("spot-mirror", 0.01, [0.25, 0.26]);
 }
 
 #[test]
