@@ -130,6 +130,10 @@ impl Estimate {
     pub fn merge(&mut self, tally: &Tally, field: &RadiusField) -> Result<(), MergeError> {
         tally.check()?;
         let shard = tally.shard;
+        let expected = shard.region.pixel_count(self.width);
+        if tally.pixels.len() != expected {
+            return Err(TallyError::WrongSize { expected, found: tally.pixels.len() }.into());
+        }
         let progress = self
             .progress
             .iter_mut()

@@ -101,7 +101,9 @@ impl Accelerator {
     #[inline]
     fn tree_ray(&self, ray: &Ray) -> obvhs::ray::Ray {
         let length = ray.length * self.scale;
-        obvhs::ray::Ray::new((ray.origin * self.scale).into(), ray.direction.into(), 0.0, length)
+        // obvhs misses everything along directions with a component of -0.0; adding zero makes it +0.0.
+        let direction = ray.direction + Vec3::ZERO;
+        obvhs::ray::Ray::new((ray.origin * self.scale).into(), direction.into(), 0.0, length)
     }
 }
 

@@ -1,0 +1,204 @@
+//! What users read when a well-formed scene cannot be rendered, or a method cannot take its parameters: every error has
+//! its place and a remedy.
+
+#[path = "support/scene_text.rs"]
+mod scene_text;
+
+use std::fmt::Write as _;
+
+use photonfarm::method::{MethodChoice, check};
+use scene_text::prepare;
+
+const LIGHT: &str = "<emitter type='point'><point name='position' value='0, 5, 0'/></emitter>";
+const SENSOR: &str = "<sensor type='perspective'/>";
+const SHAPE: &str = "<shape type='rectangle'><bsdf type='twosided'><bsdf type='diffuse'/></bsdf></shape>";
+
+/// The errors of `cases`, one below the other. `$` stands for a sensor, a shape and a light.
+fn report(cases: &[(&str, &str)], files: &[(&str, String)]) -> String {
+    let mut report = String::new();
+    for (what, body) in cases {
+        let body = body.replace('$', &format!("{SENSOR}{SHAPE}{LIGHT}"));
+        match prepare(&body, files) {
+            Ok(_) => panic!("{what} is no error"),
+            Err(error) => writeln!(report, "{what}\n    {error}").unwrap(),
+        }
+    }
+    report
+}
+
+#[test]
+fn scenes_that_lack_something() {
+    let only = |parts: &[&str]| parts.concat();
+    let dark_area =
+        "<shape type='rectangle'><emitter type='area'><rgb name='radiance' value='0, 0, 0'/></emitter></shape>";
+    let cases = [
+        ("empty scene", String::new()),
+        ("no sensor", only(&[SHAPE, LIGHT])),
+        ("no shape", only(&[SENSOR, LIGHT])),
+        ("no light", only(&[SENSOR, SHAPE])),
+        ("light of radiance 0", only(&[SENSOR, dark_area])),
+        (
+            "light of intensity 0",
+            only(&[SENSOR, SHAPE, "<emitter type='point'><rgb name='intensity' value='0, 0, 0'/></emitter>"]),
+        ),
+        ("two sensors", only(&[SENSOR, SENSOR, SHAPE, LIGHT])),
+        ("two environments", only(&[SENSOR, SHAPE, "<emitter type='constant'/><emitter type='constant'/>"])),
+        ("area light outside of a shape", only(&[SENSOR, SHAPE, "<emitter type='area'/>"])),
+        ("point light in a shape", only(&[SENSOR, LIGHT, "<shape type='cube'><emitter type='point'/></shape>"])),
+    ];
+    let cases: Vec<(&str, &str)> = cases.iter().map(|(what, body)| (*what, body.as_str())).collect();
+    insta::assert_snapshot!(report(&cases, &[]));
+}
+
+#[test]
+fn shapes_that_cannot_be() {
+    let cases = [
+        ("radius that is not a number", "$<shape type='sphere'><float name='radius' value='nan'/></shape>"),
+        ("infinite radius", "$<shape type='sphere'><float name='radius' value='inf'/></shape>"),
+        ("negative radius", "$<shape type='sphere'><float name='radius' value='-1'/></shape>"),
+        ("cylinder of radius 0", "$<shape type='cylinder'><float name='radius' value='0'/></shape>"),
+        ("cylinder without height", "$<shape type='cylinder'><point name='p1' value='0, 0, 0'/></shape>"),
+        (
+            "rectangle without area",
+            "$<shape type='rectangle'><transform name='to_world'><scale x='0'/></transform></shape>",
+        ),
+        (
+            "disk scaled unevenly",
+            "$<shape type='disk'><transform name='to_world'><scale x='2' y='1'/></transform></shape>",
+        ),
+        (
+            "cube too large for single precision",
+            "$<shape type='cube'><transform name='to_world'><scale value='1e39'/></transform></shape>",
+        ),
+        (
+            "perspective as a place",
+            "$<shape type='cube'><transform name='to_world'><matrix value='1 0 0 0  0 1 0 0  0 0 1 0  0 0 1 1'/></transform></shape>",
+        ),
+        ("unknown shape", "$<shape type='shpere'/>"),
+        ("unknown parameter", "$<shape type='sphere'><float name='raduis' value='1'/></shape>"),
+        ("parameter of another type", "$<shape type='sphere'><string name='radius' value='one'/></shape>"),
+    ];
+    insta::assert_snapshot!(report(&cases, &[]));
+}
+
+#[test]
+fn meshes_that_cannot_be() {
+    let files = [
+        ("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"),
+        ("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
+        ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
+        ("empty.obj", "v 0 0 0\n"),
+        (
+            "range.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+        ),
+        (
+            "nan.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n",
+        ),
+    ];
+    let mesh = |name: &str| {
+        let kind = &name[name.len() - 3..];
+        format!("$<shape type='{kind}'><string name='filename' value='{name}'/></shape>")
+    };
+    let bodies: Vec<(&str, String)> =
+        files.iter().map(|(name, _)| *name).chain(["missing.obj"]).map(|name| (name, mesh(name))).collect();
+    let mut cases: Vec<(&str, &str)> = bodies.iter().map(|(name, body)| (*name, body.as_str())).collect();
+    cases.push(("no file name", "$<shape type='obj'/>"));
+    let files: Vec<(&str, String)> = files.iter().map(|(name, text)| (*name, (*text).to_owned())).collect();
+    insta::assert_snapshot!(report(&cases, &files));
+}
+
+#[test]
+fn materials_and_lights_that_cannot_be() {
+    let cases = [
+        ("unknown bsdf", "$<bsdf type='difuse'/>"),
+        ("reflectance above 1", "$<bsdf type='diffuse'><rgb name='reflectance' value='0.5, 1.5, 0.5'/></bsdf>"),
+        ("reflectance below 0", "$<bsdf type='diffuse'><rgb name='reflectance' value='0.5, -0.5, 0.5'/></bsdf>"),
+        ("two-sided glass", "$<bsdf type='twosided'><bsdf type='dielectric'/></bsdf>"),
+        ("empty twosided", "$<bsdf type='twosided'/>"),
+        ("unknown medium", "$<bsdf type='dielectric'><string name='int_ior' value='dimond'/></bsdf>"),
+        ("index of refraction 0", "$<bsdf type='dielectric'><float name='int_ior' value='0'/></bsdf>"),
+        ("unknown metal", "$<bsdf type='conductor'><string name='material' value='Agg'/></bsdf>"),
+        ("eta without k", "$<bsdf type='conductor'><float name='eta' value='1'/></bsdf>"),
+        ("unknown emitter", "$<emitter type='sunsky'/>"),
+        ("negative intensity", "$<emitter type='point'><rgb name='intensity' value='-1, 0, 0'/></emitter>"),
+        (
+            "intensity that is not a number",
+            "$<emitter type='point'><rgb name='intensity' value='nan, 0, 0'/></emitter>",
+        ),
+        ("spot without a cone", "$<emitter type='spot'><float name='cutoff_angle' value='0'/></emitter>"),
+        ("beam wider than the cone", "$<emitter type='spot'><float name='beam_width' value='30'/></emitter>"),
+        (
+            "sun without a direction",
+            "$<emitter type='directional'><vector name='direction' value='0, 0, 0'/></emitter>",
+        ),
+    ];
+    insta::assert_snapshot!(report(&cases, &[]));
+}
+
+#[test]
+fn pictures_that_cannot_be() {
+    let film =
+        |film: &str| format!("<sensor type='perspective'><film type='hdrfilm'>{film}</film></sensor>{SHAPE}{LIGHT}");
+    let sensor = |sensor: &str| format!("<sensor type='perspective'>{sensor}</sensor>{SHAPE}{LIGHT}");
+    let inside = |bsdf: &str| {
+        format!(
+            "<sensor type='perspective'/><shape type='sphere'><float name='radius' value='4'/>{bsdf}</shape>{LIGHT}"
+        )
+    };
+    let cases = [
+        ("0 pixels", film("<integer name='width' value='0'/>")),
+        ("a negative width", film("<integer name='width' value='-5'/>")),
+        ("10⁹ pixels", film("<integer name='width' value='40000'/><integer name='height' value='25000'/>")),
+        ("unknown film", format!("<sensor type='perspective'><film type='hdrflim'/></sensor>{SHAPE}{LIGHT}")),
+        ("fov of 180", sensor("<float name='fov' value='180'/>")),
+        ("near behind far", sensor("<float name='near_clip' value='5'/><float name='far_clip' value='1'/>")),
+        ("unknown sensor", format!("<sensor type='perspctive'/>{SHAPE}{LIGHT}")),
+        ("lens without aperture", format!("<sensor type='thinlens'/>{SHAPE}{LIGHT}")),
+        ("camera inside a solid", inside("<bsdf type='diffuse'/>")),
+    ];
+    let cases: Vec<(&str, &str)> = cases.iter().map(|(what, body)| (*what, body.as_str())).collect();
+    insta::assert_snapshot!(report(&cases, &[]));
+    // Inside glass, or a room whose inside is not black, is a good place.
+    for bsdf in ["<bsdf type='dielectric'/>", "<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>", ""] {
+        assert!(prepare(&inside(bsdf), &[]).is_ok(), "a camera inside {bsdf}");
+    }
+}
+
+#[test]
+fn parameters_that_cannot_be() {
+    let cases = [
+        ("path", "{}"),
+        ("spppm", "{}"),
+        ("sppm", r#"{"alpha": 0}"#),
+        ("sppm", r#"{"alpha": 1}"#),
+        ("sppm", r#"{"alpha": -0.5}"#),
+        ("sppm", r#"{"alpha": "much"}"#),
+        ("sppm", r#"{"photons_per_pass": 0}"#),
+        ("sppm", r#"{"photons_per_pass": 1e9}"#),
+        ("sppm", r#"{"photons_per_pass": "many"}"#),
+        ("sppm", r#"{"initial_radius": 0}"#),
+        ("sppm", r#"{"initial_radius": -1}"#),
+        ("sppm", r#"{"initial_radius": 1e-30}"#),
+        ("sppm", r#"{"radius_rule": "statistic"}"#),
+        ("sppm", r#"{"direct": "none"}"#),
+        ("sppm", r#"{"max_depth": 0}"#),
+        ("sppm", r#"{"rr_depth": 0}"#),
+        ("sppm", r#"{"passes": 0}"#),
+        ("sppm", r#"{"photon_per_pass": 1000}"#),
+        ("sppm", r#"{"samples_per_pixel": 4}"#),
+        ("ppm", r#"{"samples_per_pixel": 0}"#),
+    ];
+    let mut report = String::new();
+    for (method, text) in cases {
+        let parameters = serde_json::from_str(text).expect("the test's JSON is good");
+        match check(&MethodChoice { name: method.to_owned(), parameters }, 100) {
+            Ok(_) => panic!("{method} {text} is no error"),
+            Err(error) => writeln!(report, "{method} {text}\n    {error}").unwrap(),
+        }
+    }
+    insta::assert_snapshot!(report);
+}

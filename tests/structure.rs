@@ -1,0 +1,345 @@
+//! Rules of the house that a machine can check: which layer may know which, where a crate may be named, what has a file
+//! or a row of its own, and how long files may get.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use photonfarm::method::METHODS;
+
+/// Layers from the lowest to the highest, each with those that it may import.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("math", &[]),
+    ("scene", &["math"]),
+    ("transport", &["math", "scene"]),
+    ("estimate", &["math"]),
+    ("method", &["math", "scene", "transport", "estimate"]),
+    ("evaluation", &["math", "estimate"]),
+    ("render", &["math", "scene", "transport", "estimate", "method"]),
+    // Below `render` the farm reads only what travels or is checked: it adds numbers and never traces a ray.
+    ("farm", &["math", "scene", "estimate", "method", "render"]),
+    // `scene` and `method` for their errors, which become problem documents.
+    ("api", &["farm", "estimate", "evaluation", "scene", "method"]),
+    ("cli", &["math", "scene", "transport", "estimate", "method", "evaluation", "render", "farm", "api"]),
+];
+
+/// Crates that belong to some places only: files and folders below `src`.
+const CRATES: &[(&str, &[&str])] = &[
+    ("obvhs", &["scene/geometry/accelerator.rs"]),
+    ("roxmltree", &["scene/import", "cli/scene_file.rs"]),
+    ("zip", &["scene", "cli/scene_file.rs"]),
+    ("exr", &["estimate/picture_files"]),
+    ("image", &["estimate/picture_files"]),
+    ("rayon", &["transport", "method", "farm/worker"]),
+    ("tokio", &["farm", "api", "cli", "main.rs"]),
+    ("axum", &["farm", "api", "cli/local_farm.rs"]),
+    ("utoipa", &["farm", "api"]),
+    ("utoipa_axum", &["api"]),
+    ("reqwest", &["farm/worker", "farm/worker.rs", "cli"]),
+    ("prost", &["farm"]),
+    ("lz4_flex", &["farm/wire"]),
+    ("clap", &["cli", "main.rs"]),
+    ("indicatif", &["cli"]),
+    ("tracing_subscriber", &["cli", "main.rs"]),
+];
+
+/// The farm's scheduling: a state machine that is given the time and knows neither clocks nor the network.
+const STATE_MACHINE: &[&str] = &["farm/schedule.rs", "farm/lease.rs", "farm/plan.rs", "farm/roster.rs"];
+
+const MOST_LINES: usize = 400;
+
+struct SourceFile {
+    /// Below `src`, with `/` separators.
+    path: String,
+    text: String,
+    /// Without comments and without inline tests.
+    code: String,
+}
+
+impl SourceFile {
+    fn layer(&self) -> &str {
+        self.path.split(['/', '.']).next().unwrap_or_default()
+    }
+
+    /// Whether the code names the crate `name` as the start of a path.
+    fn names_crate(&self, name: &str) -> bool {
+        words_before_colons(&self.code).any(|(before, word)| word == name && !before.ends_with(':'))
+            || self.code.contains(&format!("use {name};"))
+    }
+}
+
+fn crate_folder() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn sources() -> Vec<SourceFile> {
+    let root = crate_folder().join("src");
+    let mut paths = Vec::new();
+    collect(&root, &mut paths);
+    paths.sort();
+    let read = |path: &PathBuf| {
+        let text = fs::read_to_string(path).expect("sources are text");
+        let product = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+        let code = product.lines().map(|line| line.split("//").next().unwrap_or_default());
+        let code = code.collect::<Vec<_>>().join("\n");
+        let relative = path.strip_prefix(&root).expect("below src");
+        let parts: Vec<_> = relative.iter().map(|part| part.to_string_lossy()).collect();
+        SourceFile { path: parts.join("/"), text, code }
+    };
+    paths.iter().map(read).collect()
+}
+
+fn collect(folder: &Path, paths: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a folder can be read") {
+        let path = entry.expect("an entry can be read").path();
+        if path.is_dir() {
+            collect(&path, paths);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            paths.push(path);
+        }
+    }
+}
+
+/// Every `word::` with the text before it.
+fn words_before_colons(code: &str) -> impl Iterator<Item = (&str, &str)> {
+    code.match_indices("::").map(|(at, _)| {
+        let before = &code[..at];
+        let start = before.rfind(|c: char| !(c.is_alphanumeric() || c == '_')).map_or(0, |index| index + 1);
+        (&code[..start], &code[start..at])
+    })
+}
+
+/// First names of paths that start at the crate's root: `crate::a::b`, `crate::{a, b}`, and `super::super::a` where that
+/// many steps lead there.
+fn imported_layers(file: &SourceFile) -> BTreeSet<String> {
+    let depth = file.path.split('/').filter(|part| *part != "mod.rs").count();
+    let root = format!("\u{0}{}", "super::".repeat(depth));
+    let mut code = file.code.replace("crate::", "\u{0}");
+    if !["lib.rs", "main.rs"].contains(&file.path.as_str()) {
+        code = code.replace(&root[1..], "\u{0}");
+    }
+    code.split('\u{0}').skip(1).flat_map(first_names).collect()
+}
+
+fn first_names(path: &str) -> Vec<String> {
+    let name = |text: &str| text.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let Some(group) = path.strip_prefix('{') else { return vec![name(path)] };
+    let (mut names, mut depth, mut start) = (Vec::new(), 0, 0);
+    for (at, letter) in group.char_indices() {
+        match letter {
+            '{' => depth += 1,
+            '}' | ',' if depth == 0 => {
+                names.push(name(&group[start..at]));
+                start = at + 1;
+                if letter == '}' {
+                    break;
+                }
+            }
+            '}' => depth -= 1,
+            _ => {}
+        }
+    }
+    names.retain(|name| !name.is_empty());
+    names
+}
+
+fn assert_none(violations: &[String], rule: &str) {
+    assert!(violations.is_empty(), "{rule}:\n{}", violations.join("\n"));
+}
+
+#[test]
+fn structure_the_table_of_layers_is_complete() {
+    let table = fs::read_to_string(crate_folder().join("src/lib.rs")).expect("lib.rs is there");
+    let documented: BTreeSet<&str> =
+        table.lines().filter_map(|line| line.strip_prefix("//! | [`")?.split('`').next()).collect();
+    let known: BTreeSet<&str> = LAYERS.iter().map(|(layer, _)| *layer).collect();
+    assert_eq!(documented, known, "the table in src/lib.rs and the one in this test differ");
+    let entries = fs::read_dir(crate_folder().join("src")).expect("src is there");
+    let folders: BTreeSet<String> = entries
+        .map(|entry| entry.expect("an entry can be read"))
+        .filter(|entry| entry.path().is_dir())
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(folders, known.iter().map(|layer| (*layer).to_owned()).collect());
+}
+
+#[test]
+fn structure_layers_import_only_what_is_below() {
+    let mut violations = Vec::new();
+    let mut seen = 0;
+    for file in sources() {
+        let Some((layer, allowed)) = LAYERS.iter().find(|(layer, _)| *layer == file.layer()) else { continue };
+        for name in imported_layers(&file) {
+            seen += 1;
+            let known = LAYERS.iter().any(|(other, _)| *other == name);
+            if known && name != *layer && !allowed.contains(&name.as_str()) {
+                violations.push(format!("{} imports {name}", file.path));
+            }
+        }
+    }
+    assert!(seen > 100, "only {seen} imports were found: the parser is broken");
+    assert_none(&violations, "a layer imports only those below it");
+}
+
+#[test]
+fn structure_crates_are_named_where_they_belong() {
+    let mut violations = Vec::new();
+    let sources = sources();
+    for (name, places) in CRATES {
+        let users: Vec<&SourceFile> = sources.iter().filter(|file| file.names_crate(name)).collect();
+        assert!(!users.is_empty(), "nothing uses {name}: the table of crates is out of date");
+        let belongs = |file: &SourceFile| {
+            places.iter().any(|place| file.path == *place || file.path.starts_with(&format!("{place}/")))
+        };
+        violations.extend(users.iter().filter(|file| !belongs(file)).map(|file| format!("{} names {name}", file.path)));
+    }
+    assert_none(&violations, "a crate is named only where it belongs");
+}
+
+#[test]
+fn structure_rendering_knows_no_clock_environment_or_thread() {
+    const FORBIDDEN: &[&str] = &[
+        "Instant",
+        "SystemTime",
+        "std::env",
+        "env::var",
+        "std::thread",
+        "thread::current",
+        "current_thread_index",
+        "current_num_threads",
+        "ThreadId",
+        "RandomState",
+        "std::process",
+        "std::net",
+    ];
+    const BELOW_FARM: &[&str] = &["math", "scene", "transport", "estimate", "method", "evaluation", "render"];
+    let mut violations = Vec::new();
+    for file in sources() {
+        if !BELOW_FARM.contains(&file.layer()) {
+            continue;
+        }
+        for word in FORBIDDEN.iter().filter(|word| file.code.contains(**word)) {
+            // A process id names a temporary file beside a picture; no number depends on it.
+            if !(file.path.starts_with("estimate/picture_files/") && *word == "std::process") {
+                violations.push(format!("{} names {word}", file.path));
+            }
+        }
+    }
+    assert_none(&violations, "a pass is a pure function of its scene, parameters, seed and index");
+}
+
+#[test]
+fn structure_scheduling_is_synchronous() {
+    let mut violations = Vec::new();
+    let sources = sources();
+    for path in STATE_MACHINE {
+        let file = sources.iter().find(|file| file.path == *path).unwrap_or_else(|| panic!("{path} is gone"));
+        let crates = ["tokio", "axum", "reqwest", "prost", "rayon", "futures_util"];
+        violations
+            .extend(crates.iter().filter(|name| file.names_crate(name)).map(|name| format!("{path} names {name}")));
+        for word in ["async ", ".await", "Renderer", "Mutex", "::now()", "SystemTime", "std::env"] {
+            if file.code.contains(word) {
+                violations.push(format!("{path} contains {word}"));
+            }
+        }
+    }
+    assert_none(&violations, "scheduling is a synchronous state machine");
+}
+
+#[test]
+fn structure_only_workers_trace() {
+    let tracing = sources().into_iter().filter(|file| file.layer() == "farm" && file.code.contains("Renderer"));
+    let violations: Vec<String> =
+        tracing.map(|file| file.path).filter(|path| !path.starts_with("farm/worker")).collect();
+    assert_none(&violations, "the coordinator's side never traces a ray");
+}
+
+#[test]
+fn structure_methods_never_import_each_other() {
+    let mut violations = Vec::new();
+    let sources = sources();
+    for method in METHODS {
+        let path = format!("method/{}.rs", method.name);
+        let file = sources.iter().find(|file| file.path == path).unwrap_or_else(|| panic!("{path} is missing"));
+        for other in METHODS.iter().filter(|other| other.name != method.name) {
+            let paths = words_before_colons(&file.code).any(|(_, word)| word == other.name);
+            let imports = ["super", "method"].iter().any(|from| file.code.contains(&format!("{from}::{}", other.name)));
+            if paths || imports {
+                violations.push(format!("{path} names {}", other.name));
+            }
+        }
+    }
+    assert_none(&violations, "what two methods share moves down to transport");
+}
+
+#[test]
+fn structure_methods_have_complete_rows() {
+    let names: BTreeSet<&str> = METHODS.iter().map(|method| method.name).collect();
+    assert_eq!(names.len(), METHODS.len(), "two methods have one name");
+    for method in METHODS {
+        let texts = [method.summary, method.cannot_sample, method.reference];
+        assert!(texts.iter().all(|text| text.len() > 3), "{} does not say what it is", method.name);
+        let parameters: BTreeSet<&str> = method.parameters.iter().map(|parameter| parameter.name).collect();
+        assert_eq!(parameters.len(), method.parameters.len(), "{} has a parameter twice", method.name);
+        for parameter in method.parameters {
+            let texts = [parameter.meaning, parameter.range, parameter.default];
+            assert!(texts.iter().all(|text| !text.is_empty()), "{}.{}", method.name, parameter.name);
+        }
+    }
+}
+
+#[test]
+fn structure_files_are_short_and_named_for_what_they_hold() {
+    const BANNED: &[&str] = &["util", "utils", "common", "helper", "helpers", "misc", "manager"];
+    let mut violations = Vec::new();
+    for file in sources() {
+        let lines = file.text.lines().count();
+        if lines > MOST_LINES {
+            violations.push(format!("{} has {lines} lines", file.path));
+        }
+        if file.path.split(['/', '.']).any(|part| BANNED.contains(&part)) {
+            violations.push(format!("{} says nothing about what it holds", file.path));
+        }
+        if !file.text.starts_with("//!") {
+            violations.push(format!("{} does not say what it is for", file.path));
+        }
+    }
+    assert_none(&violations, "files are short and say what they hold");
+}
+
+#[test]
+fn structure_references_are_complete() {
+    let folder = crate_folder().join("tests/references");
+    let readme = fs::read_to_string(folder.join("README.md")).expect("the references have a README");
+    let mut scenes = 0;
+    for entry in fs::read_dir(&folder).expect("the references are there") {
+        let path = entry.expect("an entry can be read").path();
+        if !path.is_dir() {
+            continue;
+        }
+        scenes += 1;
+        let name = path.file_name().expect("folders have names").to_string_lossy().into_owned();
+        for file in ["scene.xml", "ref.exr", "stderr.exr", "meta.json"] {
+            assert!(path.join(file).is_file(), "{name} has no {file}");
+        }
+        assert!(readme.contains(&format!("`{name}`")), "{name} is missing in the README of the references");
+    }
+    assert!(scenes >= 7, "only {scenes} references");
+}
+
+#[test]
+fn structure_scenes_are_described() {
+    let folder = crate_folder().join("scenes");
+    let readme = fs::read_to_string(folder.join("README.md")).expect("the scenes have a README");
+    let mut scenes = 0;
+    for entry in fs::read_dir(&folder).expect("the scenes are there") {
+        let path = entry.expect("an entry can be read").path();
+        if path.is_dir() {
+            scenes += 1;
+            let name = path.file_name().expect("folders have names").to_string_lossy().into_owned();
+            assert!(path.join("scene.xml").is_file(), "{name} has no scene.xml");
+            assert!(readme.contains(&name), "{name} is missing in the README of the scenes");
+        }
+    }
+    assert!(scenes >= 6, "only {scenes} scenes");
+}

@@ -1,0 +1,68 @@
+//! Jobs run on this machine, as a farm with one worker would run them: pilot, epochs of passes, merge.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use photonfarm::estimate::{Estimate, Region, Shard};
+use photonfarm::method::{CheckedMethod, MethodChoice, check};
+use photonfarm::render::Renderer;
+use photonfarm::scene::Scene;
+use photonfarm::scene::import::load_file;
+
+/// A scene with a method, ready to be traced.
+pub(crate) struct Job {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) method: CheckedMethod,
+    pub(crate) renderer: Renderer,
+    pub(crate) never: AtomicBool,
+}
+
+/// The folder of a reference picture.
+pub(crate) fn reference_folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references").join(name)
+}
+
+/// The scene of a reference picture.
+pub(crate) fn reference_scene(name: &str) -> Arc<Scene> {
+    let description = load_file(&reference_folder(name).join("scene.xml"), &[]).expect("a reference scene loads");
+    Arc::new(Scene::prepare(&description).expect("a reference scene is good"))
+}
+
+impl Job {
+    /// A job with seed 1; `parameters` is a JSON object.
+    pub(crate) fn new(scene: &Arc<Scene>, method: &str, parameters: &str) -> Self {
+        let parameters = serde_json::from_str(parameters).expect("parameters are a JSON object");
+        let choice = MethodChoice { name: method.to_owned(), parameters };
+        let method = check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
+        let renderer = Renderer::new(scene.clone(), &method, 1).expect("the method can be prepared");
+        Self { scene: scene.clone(), method, renderer, never: AtomicBool::new(false) }
+    }
+
+    /// The whole picture.
+    pub(crate) fn region(&self) -> Region {
+        Region { row_start: 0, row_end: self.scene.height }
+    }
+
+    /// The estimate after the pilot and before the first pass.
+    pub(crate) fn begin(&self) -> Estimate {
+        let pilot = self.renderer.pilot(&self.never).expect("nobody cancels");
+        let (width, height) = (self.scene.width, self.scene.height);
+        let (rule, alpha) = (self.method.radius_rule, self.method.alpha);
+        Estimate::new(width, height, &[self.region()], &pilot.radius_squared, rule, alpha)
+    }
+
+    /// Traces `passes` passes and merges them. The passes of an epoch are shards of one pass with the same radius field.
+    pub(crate) fn run(&self, passes: u32, epoch: u32) -> Estimate {
+        let mut estimate = self.begin();
+        for start in (0..passes).step_by(epoch as usize) {
+            let field = estimate.radius_field(self.region());
+            for first_pass in start..passes.min(start + epoch) {
+                let shard = Shard { first_pass, passes: 1, region: self.region() };
+                let tally = self.renderer.trace(shard, &field, &self.never).expect("nobody cancels");
+                estimate.merge(&tally, &field).expect("tallies come in order");
+            }
+        }
+        estimate
+    }
+}
