@@ -10,6 +10,6 @@ FROM debian:trixie-slim
 RUN useradd --system --uid 10001 --no-create-home photonfarm
 COPY --from=build /photonfarm /usr/local/bin/photonfarm
 USER photonfarm
-EXPOSE 7878
+EXPOSE 8080
 ENTRYPOINT ["photonfarm"]
-CMD ["serve", "--listen", "0.0.0.0:7878"]
+CMD ["serve", "--listen", "0.0.0.0:8080"]

@@ -22,7 +22,7 @@ fn cloud(family: u32, count: u32) -> Vec<Photon> {
         let (place, other) = (uniform(family, index, 0), uniform(family, index, 1));
         let mut position = point(place);
         let mut normal = warp::sphere([other[0], other[1]]);
-        if index % 4 != 0 {
+        if !index.is_multiple_of(4) {
             let axis = (index % 3) as usize;
             let steps = (place[3] * 5.0).floor() / 4.0;
             position[axis] = LOW[axis] + steps * (HIGH - LOW)[axis];
@@ -52,12 +52,12 @@ fn queries(photons: &[Photon], family: u32, count: u32) -> Vec<GatherQuery> {
             _ => {}
         }
         let mut normal = warp::sphere([other[0], other[1]]);
-        if index % 2 == 0 {
+        if index.is_multiple_of(2) {
             normal = Vec3::ZERO;
             normal[axis] = if other[2] < 0.5 { 1.0 } else { -1.0 };
         }
         let radius = [1e-6, 0.01, 0.1, 0.3, 1.0, 4.0, 100.0][(index / 7 % 7) as usize];
-        let most_segments = if index % 3 == 0 { 12 } else { 255 };
+        let most_segments = if index.is_multiple_of(3) { 12 } else { 255 };
         GatherQuery { position, normal, radius_squared: radius * radius, most_segments }
     };
     (0..count).map(query).collect()

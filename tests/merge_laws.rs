@@ -221,7 +221,8 @@ fn merge_law_what_does_not_fit_is_refused_and_changes_nothing() {
     dark.photons_emitted = 0;
     assert_eq!(refuse(&dark, &field), TallyError::NothingEmitted.into());
 
-    let break_pixel: [(&str, fn(&mut Tally)); 5] = [
+    type Break = fn(&mut Tally);
+    let break_pixel: [(&str, Break); 5] = [
         ("photons", |tally| tally.pixels[2].photons = -1.0),
         ("photons", |tally| tally.pixels[2].photons = f32::NAN),
         ("photons", |tally| tally.pixels[2].photons = f32::INFINITY),

@@ -3,14 +3,14 @@
 //! A worker returns a [`Tally`]: sums and counts of a [`Shard`], never means. [`Estimate::merge`] folds tallies in shard
 //! order; it never asks which method made them. A [`Picture`] is normalised radiance, taken at any time.
 
-pub mod estimate;
+pub mod merging;
 pub mod picture;
 pub mod picture_files;
 pub mod radius;
 pub mod shard;
 pub mod tally;
 
-pub use estimate::{Estimate, MergeError, PixelEstimate};
+pub use merging::{Estimate, MergeError, PixelEstimate};
 pub use picture::Picture;
 pub use radius::{RadiusField, RadiusRule};
 pub use shard::{Region, Shard};

@@ -21,7 +21,7 @@ use session::{MESSAGE_TIMEOUT, Session, SessionEnd};
 /// What a worker is told.
 #[derive(Clone, Debug)]
 pub struct WorkerOptions {
-    /// Base address of the coordinator, for example `http://127.0.0.1:7878`.
+    /// Base address of the coordinator, for example `http://127.0.0.1:8080`.
     pub coordinator: String,
     /// Name shown in the list of workers.
     pub name: String,

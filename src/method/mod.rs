@@ -33,8 +33,11 @@ pub struct MethodEntry {
     /// Checks parameters for a picture of so many pixels and writes every default out.
     check: fn(&MethodChoice, u64) -> Result<CheckedMethod, MethodError>,
     /// Prepares the method for a scene.
-    prepare: fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>,
+    prepare: PrepareMethod,
 }
+
+/// Scene, checked choice and job seed to a prepared method.
+type PrepareMethod = fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>;
 
 /// All methods; the first is the default.
 pub const METHODS: &[MethodEntry] = &[sppm::ENTRY, ppm::ENTRY];

@@ -39,9 +39,8 @@ pub fn read(node: &Node, notices: &mut Vec<String>) -> Result<Film, SceneError> 
     }
     // These choose how Mitsuba writes files; pictures here are always linear 32-bit RGB until they are written.
     fields.ignore(&["pixel_format", "component_format", "file_format", "sample_border", "banner", "compensate"]);
-    match fields.child(PluginClass::ReconstructionFilter) {
-        Some(filter) => reconstruction_filter(filter, notices)?,
-        None => {}
+    if let Some(filter) = fields.child(PluginClass::ReconstructionFilter) {
+        reconstruction_filter(filter, notices)?;
     }
     fields.finish()?;
     Ok(Film { width, height })

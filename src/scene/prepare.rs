@@ -74,7 +74,8 @@ impl Scene {
             SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
         })?;
         let (film, camera) = read_sensor(sensor, &mut builder.notices)?;
-        let integrator = fields.child(PluginClass::Integrator).map(|node| read_integrator(node)).transpose()?;
+        let integrator =
+            fields.child(PluginClass::Integrator).map(|node| read_integrator(node.as_ref())).transpose()?;
         let emitters = fields.children(PluginClass::Emitter);
         fields.finish()?;
         if builder.shapes.is_empty() {
@@ -140,7 +141,7 @@ impl Builder {
             Some(node) => self.material(node)?,
             None => self.default_material(),
         };
-        let emitter = fields.child(PluginClass::Emitter).map(|node| read_area_light(node)).transpose()?;
+        let emitter = fields.child(PluginClass::Emitter).map(|node| read_area_light(node.as_ref())).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
         if let Some(radiance) = emitter.filter(|radiance| *radiance != Rgb::ZERO) {
@@ -182,7 +183,7 @@ impl Builder {
     }
 }
 
-fn read_area_light(node: &Arc<Node>) -> Result<Rgb, SceneError> {
+fn read_area_light(node: &Node) -> Result<Rgb, SceneError> {
     if node.plugin != "area" {
         let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
         return Err(SceneError::new(
@@ -261,7 +262,7 @@ fn read_sensor(node: &Node, notices: &mut Vec<String>) -> Result<(Film, Camera),
     Ok((film, camera))
 }
 
-fn read_integrator(node: &Arc<Node>) -> Result<Integrator, SceneError> {
+fn read_integrator(node: &Node) -> Result<Integrator, SceneError> {
     let mut parameters = serde_json::Map::new();
     for parameter in &node.parameters {
         let value = match &parameter.value {

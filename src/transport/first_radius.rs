@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 
 /// Photons that a first gather should find.
-pub const FIRST_GATHER_PHOTONS: f32 = 30.0;
+pub const FIRST_GATHER_PHOTONS: f32 = 20.0;
 /// The largest first radius as a share of the scene's bounding radius.
 const LARGEST_SHARE: f32 = 0.05;
 const STEPS: usize = 8;
@@ -70,7 +70,7 @@ pub fn first_radius_squared(map: &PhotonMap, point: &GatherPoint, footprint: f32
 }
 
 /// How often a disc that reaches over an edge or into a corner is halved.
-const HALVINGS: usize = 1;
+const HALVINGS: usize = 2;
 /// Directions in which a disc is probed.
 const PROBES: usize = 8;
 /// Height of the probes over the tangent plane, in radii.

@@ -86,6 +86,8 @@ impl PhotonMap {
         }
     }
 
+    // Indexed loops over a constant number of lanes become vector instructions.
+    #[expect(clippy::needless_range_loop)]
     #[inline]
     fn sum_run(&self, first: usize, last: usize, query: &GatherQuery, sums: &mut LaneSums) {
         let [x, y, z] = &self.photons.position;
