@@ -63,8 +63,8 @@ fn shapes_that_cannot_be() {
             "$<shape type='rectangle'><transform name='to_world'><scale x='0'/></transform></shape>",
         ),
         (
-            "disk scaled unevenly",
-            "$<shape type='disk'><transform name='to_world'><scale x='2' y='1'/></transform></shape>",
+            "sphere scaled unevenly",
+            "$<shape type='sphere'><transform name='to_world'><scale x='2' y='1'/></transform></shape>",
         ),
         (
             "cube too large for single precision",
