@@ -393,7 +393,8 @@ fn merge_law_schedule_ignores_what_was_found() {
 #[test]
 fn merge_law_epochs_of_a_real_picture_agree() {
     const PASSES: u32 = 64;
-    let job = Job::new(&reference_scene("cornell-diffuse"), "sppm", r#"{"photons_per_pass": 32768, "initial_radius": 0.06}"#);
+    let job =
+        Job::new(&reference_scene("cornell-diffuse"), "sppm", r#"{"photons_per_pass": 32768, "initial_radius": 0.06}"#);
     let sequential = job.run(PASSES, 1);
     for epoch in [8, 64] {
         let estimate = job.run(PASSES, epoch);
