@@ -22,9 +22,6 @@ pub struct Accelerator {
     has_triangles: bool,
 }
 
-/// Up to so many primitives are tested one by one: that costs less than a walk through the tree.
-const FEW: usize = 10;
-
 struct Bounds(Aabb);
 
 impl Boundable for Bounds {
@@ -58,14 +55,6 @@ impl Accelerator {
         let shear = self.shear(ray);
         let mut nearest = PrimitiveHit::at(ray.length);
         let mut found = usize::MAX;
-        if self.primitives.len() <= FEW {
-            for (index, primitive) in self.primitives.iter().enumerate() {
-                if let Some(hit) = primitive.intersect(ray, &shear, nearest.distance) {
-                    (nearest, found) = (hit, index);
-                }
-            }
-            return (found != usize::MAX).then_some((found, nearest));
-        }
         self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| {
             match self.primitives[index].intersect(ray, &shear, nearest.distance) {
                 Some(hit) => {
@@ -82,9 +71,6 @@ impl Accelerator {
     #[inline]
     pub fn is_blocked(&self, ray: &Ray) -> bool {
         let shear = self.shear(ray);
-        if self.primitives.len() <= FEW {
-            return self.primitives.iter().any(|primitive| primitive.intersect(ray, &shear, ray.length).is_some());
-        }
         !self.tree.ray_traverse_miss(self.tree_ray(ray), |_, index| {
             match self.primitives[index].intersect(ray, &shear, ray.length) {
                 Some(_) => 0.0,
