@@ -149,10 +149,13 @@ impl Estimate {
         let start = shard.region.row_start as usize * self.width as usize;
         let pixels = &mut self.pixels[start..start + tally.pixels.len()];
         let radii = field.radius_squared.iter();
+        let inverse_passes = 1.0 / f64::from(shard.passes);
         for ((pixel, found), used) in pixels.iter_mut().zip(&tally.pixels).zip(radii) {
-            pixel.add(found, f64::from(*used));
+            let inverse_used = 1.0 / f64::from(*used);
+            pixel.add(found, inverse_used);
             if self.rule == RadiusRule::Statistics && found.photons > 0.0 {
-                pixel.shrink_radius(f64::from(found.photons), f64::from(*used), shard.passes, self.alpha);
+                let density = f64::from(found.photons) * inverse_used * inverse_passes;
+                pixel.shrink_radius(density, shard.passes, self.alpha);
             }
         }
         progress.passes += shard.passes;
@@ -202,17 +205,16 @@ impl Estimate {
 }
 
 impl PixelEstimate {
-    /// Adds sums that were gathered with `used` = R_used² [identity 1].
-    fn add(&mut self, found: &PixelTally, used: f64) {
+    /// Adds sums that were gathered with R_used² = 1/`inverse_used` [identity 1].
+    fn add(&mut self, found: &PixelTally, inverse_used: f64) {
         for channel in 0..3 {
             self.radiance[channel] += f64::from(found.radiance[channel]);
-            self.flux_density[channel] += f64::from(found.flux[channel]) / used;
+            self.flux_density[channel] += f64::from(found.flux[channel]) * inverse_used;
         }
     }
 
-    /// Shrinks the radius by `passes` equal updates that together found `photons` > 0 inside `used` = R_used² [identity 2].
-    fn shrink_radius(&mut self, photons: f64, used: f64, passes: u32, alpha: f64) {
-        let density = photons / (f64::from(passes) * used);
+    /// Shrinks the radius by `passes` equal updates that each found `density`·R² photons, `density` > 0 [identity 2].
+    fn shrink_radius(&mut self, density: f64, passes: u32, alpha: f64) {
         let first = self.photons / (density * self.radius_squared);
         self.radius_squared *= shrink_product(first, passes, alpha);
         self.photons = density * self.radius_squared * (first + f64::from(passes));

@@ -80,11 +80,23 @@ impl Tally {
         if self.photons_emitted == 0 {
             return Err(TallyError::NothingEmitted);
         }
+        if all_possible(&self.pixels) {
+            return Ok(());
+        }
         match self.pixels.iter().position(|pixel| !pixel.is_possible()) {
             None => Ok(()),
             Some(pixel) => Err(self.pixels[pixel].impossible_value(pixel)),
         }
     }
+}
+
+/// [`PixelTally::is_possible`] of all pixels at once, on bits, so that it runs as fast as memory is read.
+fn all_possible(pixels: &[PixelTally]) -> bool {
+    const SIGN: u32 = 1 << 31;
+    const INFINITY: u32 = 0x7f80_0000;
+    let largest = bytemuck::cast_slice::<_, u32>(pixels).iter().fold(0, |largest, bits| largest.max(bits & !SIGN));
+    let negative = pixels.iter().fold(0, |signs, pixel| signs | pixel.photons.to_bits()) & SIGN != 0;
+    largest < INFINITY && !negative
 }
 
 impl PixelTally {

@@ -18,10 +18,12 @@ impl Triangle {
     pub fn intersect(&self, ray: &Ray, shear: &Shear, length: f32) -> Option<PrimitiveHit> {
         let [x, y, z] = shear.axes;
         let [shear_x, shear_y, shear_z] = shear.shear;
-        let [a, b, c] = self.vertices.map(|vertex| {
+        let sheared = |vertex: Vec3| {
             let relative = (vertex - ray.origin).to_array();
             [relative[x] - shear_x * relative[z], relative[y] - shear_y * relative[z], relative[z]]
-        });
+        };
+        // Spelled out: `map` over the array is not inlined.
+        let (a, b, c) = (sheared(self.vertices[0]), sheared(self.vertices[1]), sheared(self.vertices[2]));
         let mut edges = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
         if edges.contains(&0.0) {
             edges = edges_in_double_precision(a, b, c);
