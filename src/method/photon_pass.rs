@@ -6,11 +6,14 @@ use std::sync::atomic::AtomicBool;
 use super::parameters::{Auto, DirectLight, ProgressiveParameters};
 use super::{CheckedMethod, MethodError, Pass};
 use crate::estimate::PixelTally;
-use crate::math::random::Stream;
-use crate::math::{Rgb, Vec3};
+use crate::math::random::{PathRandom, Stream};
+use crate::math::{Rgb, octahedral};
 use crate::scene::Scene;
-use crate::scene::material::Material;
-use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
+use crate::transport::camera_walk::GatherPoint;
+use crate::transport::direct_light::direct_light;
+use crate::transport::first_radius::{
+    FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
+};
 use crate::transport::photon_map::{GatherQuery, Grid, PhotonMap, trace};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits};
@@ -77,8 +80,61 @@ impl PhotonPasses {
         Some((PhotonMap::build(&chunks, grid), counters))
     }
 
+    /// Sampled direct light at a gather point, without the path's throughput; black where photons bring it.
+    #[inline]
+    pub fn direct_light(&self, point: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
+        if self.direct == DirectLight::Sample && self.limits.allows(point.segments + 1) {
+            direct_light(&self.scene, point, random, counters)
+        } else {
+            Rgb::ZERO
+        }
+    }
+
+    /// Reflected flux Φ/T = Σ f_r·α and the photon count M at a gather point.
+    #[inline]
+    pub fn gather(&self, map: &PhotonMap, point: &GatherPoint, radius_squared: f32) -> (Rgb, f32) {
+        let hit = &point.hit;
+        let material = self.scene.material(hit.shape);
+        let outgoing = hit.frame.to_local(hit.outgoing);
+        let query = GatherQuery {
+            position: hit.position,
+            normal: point.facing_normal(),
+            radius_squared,
+            most_segments: self.limits.most_photon_segments(point.segments),
+        };
+        if let Some(value) = material.constant_value(outgoing) {
+            let gathered = map.gather(&query);
+            return (gathered.flux * value, gathered.photons);
+        }
+        let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
+        map.visit(&query, |photon| {
+            let incident = hit.frame.to_local(octahedral::decode(photon.direction));
+            flux += material.evaluate(outgoing, incident) * Rgb::from_array(photon.flux);
+            photons += 1.0;
+        });
+        (flux, photons)
+    }
+
+    /// First R² at a gather point that the camera sees over `path_length` m, m².
+    pub fn first_radius_squared(&self, map: &PhotonMap, point: &GatherPoint, path_length: f32) -> f32 {
+        if let Auto::Value(radius) = self.first_radius {
+            return radius * radius;
+        }
+        let footprint = self.scene.camera.pixel_footprint(path_length, self.scene.width);
+        let dense = first_radius_squared(map, point, footprint, &self.radius_bounds(map.len()));
+        clear_of_edges(&self.scene, point, dense, footprint)
+    }
+
+    /// First R² of every pixel from those of the pixels that see something to gather at, m².
+    pub fn complete_first_radii(&self, radii: &mut [Option<f32>]) -> Vec<f32> {
+        match self.first_radius {
+            Auto::Auto => fill_gaps(radii, self.scene.width as usize, self.fallback_radius_squared()),
+            Auto::Value(radius) => vec![radius * radius; radii.len()],
+        }
+    }
+
     /// Where the search for first radii starts.
-    pub fn radius_bounds(&self, photons: usize) -> RadiusBounds {
+    fn radius_bounds(&self, photons: usize) -> RadiusBounds {
         RadiusBounds::new(self.scene.geometry.bounding_sphere().1, photons)
     }
 
@@ -90,41 +146,9 @@ impl PhotonPasses {
     }
 
     /// R² for pixels that see nothing to gather at, m².
-    pub fn fallback_radius_squared(&self) -> f32 {
+    fn fallback_radius_squared(&self) -> f32 {
         self.radius_bounds(self.photons_per_pass as usize).guess.max(f32::MIN_POSITIVE * FIRST_GATHER_PHOTONS)
     }
-}
-
-/// A surface point as the gather needs it.
-pub struct GatherSurface<'a> {
-    /// Position, m.
-    pub position: Vec3,
-    /// True normal on the side that is looked at.
-    pub facing_normal: Vec3,
-    /// The material.
-    pub material: &'a Material,
-    /// Local direction towards the camera.
-    pub outgoing: Vec3,
-    /// Local frame, for materials that look at each photon.
-    pub frame: crate::math::Frame,
-}
-
-/// Reflected flux Φ/T = Σ f_r·α and the photon count M at a surface point.
-#[inline]
-pub fn gather(map: &PhotonMap, surface: &GatherSurface<'_>, radius_squared: f32, most_segments: u32) -> (Rgb, f32) {
-    let query =
-        GatherQuery { position: surface.position, normal: surface.facing_normal, radius_squared, most_segments };
-    if let Some(value) = surface.material.constant_value(surface.outgoing) {
-        let gathered = map.gather(&query);
-        return (gathered.flux * value, gathered.photons);
-    }
-    let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
-    map.visit(&query, |photon| {
-        let incident = surface.frame.to_local(crate::math::octahedral::decode(photon.direction));
-        flux += surface.material.evaluate(surface.outgoing, incident) * Rgb::from_array(photon.flux);
-        photons += 1.0;
-    });
-    (flux, photons)
 }
 
 /// Adds one pass's sums of a pixel; what is not finite is dropped and counted.

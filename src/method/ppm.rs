@@ -20,8 +20,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, Auto, DirectLight, HELP, ParameterHelp};
-use super::photon_pass::{GatherSurface, PhotonPasses, add_to_tally, gather};
+use super::parameters::{self, HELP, ParameterHelp};
+use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
 use crate::math::octahedral;
@@ -33,8 +33,6 @@ use crate::scene::geometry::surface::{Interaction, NO_LIGHT, Shape};
 use crate::scene::material::TransportMode;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraVertex, CameraWalk, GatherPoint};
-use crate::transport::direct_light::direct_light;
-use crate::transport::first_radius::{clear_of_edges, fill_gaps, first_radius_squared};
 use crate::transport::photon_map::PhotonMap;
 use crate::transport::shading;
 
@@ -241,24 +239,13 @@ impl Ppm {
         (first_point, radius_squared): (usize, f32),
         counters: &mut Counters,
     ) -> (Rgb, Rgb, f32) {
-        let scene = &*self.passes.scene;
         let (mut radiance, mut flux, mut photons) = (Rgb::ZERO, Rgb::ZERO, 0.0);
         for (index, hit_point) in points.iter().enumerate() {
             let point = hit_point.gather_point(self.error);
-            if self.passes.direct == DirectLight::Sample && self.passes.limits.allows(point.segments + 1) {
-                let path = (first_point + index) as u32;
-                let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, path);
-                radiance += point.throughput * direct_light(scene, &point, &random, counters);
-            }
-            let surface = GatherSurface {
-                position: point.hit.position,
-                facing_normal: point.facing_normal(),
-                material: scene.material(point.hit.shape),
-                outgoing: point.hit.frame.to_local(point.hit.outgoing),
-                frame: point.hit.frame,
-            };
-            let most_segments = self.passes.limits.most_photon_segments(point.segments);
-            let found = gather(map, &surface, radius_squared * pass.scale, most_segments);
+            let path = (first_point + index) as u32;
+            let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, path);
+            radiance += point.throughput * self.passes.direct_light(&point, &random, counters);
+            let found = self.passes.gather(map, &point, radius_squared * pass.scale);
             flux += point.throughput * found.0;
             photons += found.1;
         }
@@ -305,7 +292,6 @@ impl PreparedMethod for Ppm {
         let scene = &*self.passes.scene;
         let region = Region { row_start: 0, row_end: scene.height };
         let hit_points = self.hit_points(region, cancel)?;
-        let bounds = self.passes.radius_bounds(map.len());
         let mut radii: Vec<Option<f32>> = (0..scene.pixel_count())
             .into_par_iter()
             .with_min_len(1024)
@@ -314,18 +300,11 @@ impl PreparedMethod for Ppm {
                 let point = hit_points.points.get(range)?.first()?.gather_point(self.error);
                 // The straight distance stands for the path's: hit points do not keep it.
                 let distance = scene.camera.position().distance(point.hit.position);
-                let footprint = scene.camera.pixel_footprint(distance, scene.width);
-                Some({
-                    let dense = first_radius_squared(&map, &point, footprint, &bounds);
-                    clear_of_edges(scene, &point, dense, footprint)
-                })
+                Some(self.passes.first_radius_squared(&map, &point, distance))
             })
             .collect();
         total.rays += 2 * hit_points.points.len() as u64;
-        let filled = match self.passes.first_radius {
-            Auto::Auto => fill_gaps(&mut radii, scene.width as usize, self.passes.fallback_radius_squared()),
-            Auto::Value(radius) => vec![radius * radius; scene.pixel_count()],
-        };
+        let filled = self.passes.complete_first_radii(&mut radii);
         (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
     }
 }

@@ -20,8 +20,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, Auto, DirectLight, HELP, ParameterHelp};
-use super::photon_pass::{GatherSurface, PILOT_PASS, PhotonPasses, add_to_tally, gather};
+use super::parameters::{self, HELP, ParameterHelp};
+use super::photon_pass::{PILOT_PASS, PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::PixelTally;
 use crate::math::random::{PathRandom, Stream, dimension};
@@ -29,8 +29,6 @@ use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, walk_to_gather_point};
-use crate::transport::direct_light::direct_light;
-use crate::transport::first_radius::{clear_of_edges, fill_gaps, first_radius_squared};
 use crate::transport::photon_map::PhotonMap;
 
 const NAME: &str = "sppm";
@@ -88,22 +86,11 @@ impl Sppm {
         tally: &mut PixelTally,
         counters: &mut Counters,
     ) {
-        let scene = &*self.passes.scene;
         let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, pixel as u32);
         let (mut radiance, point) = self.camera_path(&random, pixel, counters);
         let Some(point) = point else { return add_to_tally(tally, pass, radiance, Rgb::ZERO, 0.0, counters) };
-        if self.passes.direct == DirectLight::Sample && self.passes.limits.allows(point.segments + 1) {
-            radiance += point.throughput * direct_light(scene, &point, &random, counters);
-        }
-        let surface = GatherSurface {
-            position: point.hit.position,
-            facing_normal: point.facing_normal(),
-            material: scene.material(point.hit.shape),
-            outgoing: point.hit.frame.to_local(point.hit.outgoing),
-            frame: point.hit.frame,
-        };
-        let most_segments = self.passes.limits.most_photon_segments(point.segments);
-        let (flux, photons) = gather(map, &surface, radius_squared * pass.scale, most_segments);
+        radiance += point.throughput * self.passes.direct_light(&point, &random, counters);
+        let (flux, photons) = self.passes.gather(map, &point, radius_squared * pass.scale);
         add_to_tally(tally, pass, radiance, point.throughput * flux, photons, counters);
     }
 }
@@ -135,7 +122,6 @@ impl PreparedMethod for Sppm {
     fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
         let (map, mut total) = self.passes.pilot_map(cancel)?;
         let scene = &*self.passes.scene;
-        let bounds = self.passes.radius_bounds(map.len());
         let found: Vec<(Option<f32>, Counters)> = (0..scene.pixel_count())
             .into_par_iter()
             .with_min_len(1024)
@@ -145,22 +131,13 @@ impl PreparedMethod for Sppm {
                 let point = self.camera_path(&random, pixel, &mut counters).1;
                 // Direct light will cost its rays too.
                 counters.rays += 2 * u64::from(point.is_some());
-                let radius = point.map(|point| {
-                    let footprint = scene.camera.pixel_footprint(point.path_length, scene.width);
-                    {
-                        let dense = first_radius_squared(&map, &point, footprint, &bounds);
-                        clear_of_edges(scene, &point, dense, footprint)
-                    }
-                });
+                let radius = point.map(|point| self.passes.first_radius_squared(&map, &point, point.path_length));
                 (radius, counters)
             })
             .collect();
         found.iter().for_each(|(_, counters)| total += *counters);
         let mut radii: Vec<Option<f32>> = found.into_iter().map(|(radius, _)| radius).collect();
-        let filled = match self.passes.first_radius {
-            Auto::Auto => fill_gaps(&mut radii, scene.width as usize, self.passes.fallback_radius_squared()),
-            Auto::Value(radius) => vec![radius * radius; scene.pixel_count()],
-        };
+        let filled = self.passes.complete_first_radii(&mut radii);
         (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
     }
 }
