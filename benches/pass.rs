@@ -52,7 +52,7 @@ const RADIUS: f32 = 0.003;
 fn square_of_photons() -> Vec<Photon> {
     let photon = |path| {
         let [x, y, _, _] = PathRandom::new(1, Stream::Photon, 0, path).block(0);
-        Photon::new(Vec3::new(x, y, 0.0), 0, Vec3::Z, Vec3::ONE, 2)
+        Photon::new(Vec3::new(x, y, 0.0), 0, Vec3::Z, Vec3::ONE, 2, true)
     };
     (0..STORED).map(photon).collect()
 }
@@ -77,7 +77,14 @@ fn gather_28_of_1_million_photons(bencher: Bencher<'_, '_>) {
         .map(|query| {
             let [x, y, _, _] = PathRandom::new(2, Stream::Camera, 0, query).block(0);
             let position = Vec3::new(x, y, 0.0);
-            GatherQuery { position, normal: Vec3::Z, radius_squared: RADIUS * RADIUS, most_segments: 255 }
+            GatherQuery {
+                position,
+                normal: Vec3::Z,
+                radius_squared: RADIUS * RADIUS,
+                most_segments: 127,
+                caustics_only: false,
+                both_sides: false,
+            }
         })
         .collect();
     let accepted: f32 = queries.iter().map(|query| map.gather(query).photons).sum();

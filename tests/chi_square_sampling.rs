@@ -15,7 +15,7 @@ use photonfarm::math::{Frame, Rgb, Vec2, Vec3, warp};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
 use photonfarm::scene::light::Light;
-use photonfarm::scene::material::{Material, TransportMode};
+use photonfarm::scene::material::{Material, TransportMode, View};
 use scene_text::prepare;
 
 const SAMPLES: u32 = 100_000;
@@ -136,6 +136,10 @@ fn material(text: &str) -> Material {
     scene(&format!("<shape type='cube'>{ahead}{text}</shape><emitter type='point'/>")).materials.swap_remove(0)
 }
 
+fn view(outgoing: Vec3, mode: TransportMode) -> View {
+    View::new(Vec2::ZERO, outgoing, mode)
+}
+
 #[test]
 fn chi_square_materials() {
     let diffuse = |rgb: &str| format!("<bsdf type='diffuse'><rgb name='reflectance' value='{rgb}'/></bsdf>");
@@ -153,15 +157,21 @@ fn chi_square_materials() {
                 family += 1;
                 let outgoing = Vec3::new((1.0 - tilt * tilt).sqrt(), 0.0, side * tilt);
                 let what = format!("{name} seen from {outgoing}");
-                let sample = |u: [f32; 4]| material.sample(outgoing, TransportMode::Radiance, [u[0], u[1], u[2]]);
+                let sample =
+                    |u: [f32; 4]| material.sample(&view(outgoing, TransportMode::Radiance), [u[0], u[1], u[2]]);
                 let samples: Vec<_> = (0..SAMPLES).map(|index| sample(numbers(family, index))).collect();
                 for sample in samples.iter().flatten() {
-                    let value = material.evaluate(outgoing, sample.direction);
+                    let value = material.evaluate(&view(outgoing, TransportMode::Radiance), sample.direction);
                     let expected = value * sample.direction.z.abs() / sample.pdf;
                     assert!(sample.weight.distance(expected) < 1e-5, "{what}: weight {}", sample.weight);
-                    assert!((sample.pdf / material.pdf(outgoing, sample.direction) - 1.0).abs() < 1e-5, "{what}");
+                    assert!(
+                        (sample.pdf / material.pdf(&view(outgoing, TransportMode::Radiance), sample.direction) - 1.0)
+                            .abs()
+                            < 1e-5,
+                        "{what}"
+                    );
                 }
-                let pdf = |w: Vec3| f64::from(material.pdf(outgoing, w));
+                let pdf = |w: Vec3| f64::from(material.pdf(&view(outgoing, TransportMode::Radiance), w));
                 assert_directions(samples.iter().map(|s| s.map(|s| s.direction)), pdf, -1.0, &what);
             }
         }
@@ -173,9 +183,9 @@ fn analytic_one_sided_materials_are_black_from_behind() {
     let behind = Vec3::new(0.6, 0.0, -0.8);
     for text in ["<bsdf type='diffuse'/>", "<bsdf type='conductor'/>"] {
         let material = material(text);
-        assert!(material.sample(behind, TransportMode::Radiance, [0.5; 3]).is_none(), "{text}");
-        assert_eq!(material.evaluate(behind, behind), Rgb::ZERO);
-        assert_eq!(material.evaluate(-behind, behind), Rgb::ZERO);
+        assert!(material.sample(&view(behind, TransportMode::Radiance), [0.5; 3]).is_none(), "{text}");
+        assert_eq!(material.evaluate(&view(behind, TransportMode::Radiance), behind), Rgb::ZERO);
+        assert_eq!(material.evaluate(&view(-behind, TransportMode::Radiance), behind), Rgb::ZERO);
     }
 }
 
@@ -211,13 +221,13 @@ fn analytic_dielectric_lobes() {
                 let outgoing = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, side * cosine);
                 let index = if side > 0.0 { interior } else { 1.0 / interior };
                 let expected = fresnel(f64::from(cosine), index);
-                let [reflected, refracted] = material.specular_lobes(outgoing, TransportMode::Flux);
+                let [reflected, refracted] = material.specular_lobes(&view(outgoing, TransportMode::Flux));
                 let shares = [reflected, refracted].map(|lobe| lobe.map_or(0.0, |lobe| f64::from(lobe.weight.x)));
                 let what = format!("index {index} at cosine {cosine}");
                 assert!((shares[0] - expected).abs() < 3e-5, "{what}: {} of {expected} is reflected", shares[0]);
                 assert!((shares[0] + shares[1] - 1.0).abs() < 1e-6, "{what}: {shares:?} is not all");
 
-                let radiance = material.specular_lobes(outgoing, TransportMode::Radiance);
+                let radiance = material.specular_lobes(&view(outgoing, TransportMode::Radiance));
                 let [_, Some(refracted)] = radiance else { continue };
                 // Snell's law, the other side, and radiance that scales with the squared index.
                 let sine = f64::from(outgoing.x) / index;
@@ -228,8 +238,8 @@ fn analytic_dielectric_lobes() {
                 assert!((scaled - shares[1]).abs() < 1e-5, "{what}: radiance {scaled}, flux {}", shares[1]);
                 assert!((f64::from(refracted.relative_index) - index).abs() < 1e-6 * index, "{what}");
                 // The way back has the same share.
-                let back =
-                    material.specular_lobes(refracted.direction, TransportMode::Flux)[1].expect("light comes back");
+                let back = material.specular_lobes(&view(refracted.direction, TransportMode::Flux))[1]
+                    .expect("light comes back");
                 assert!((f64::from(back.weight.x) - shares[1]).abs() < 1e-3, "{what}: {} comes back", back.weight.x);
             }
         }
@@ -243,11 +253,11 @@ fn analytic_total_reflection_starts_at_the_critical_angle() {
         let critical = (1.0 / interior).asin();
         for (angle, passes) in [(critical - 1e-3, true), (critical + 1e-3, false)] {
             let outgoing = Vec3::new(angle.sin() as f32, 0.0, -angle.cos() as f32);
-            let lobes = material.specular_lobes(outgoing, TransportMode::Flux);
+            let lobes = material.specular_lobes(&view(outgoing, TransportMode::Flux));
             assert_eq!(lobes[1].is_some(), passes, "index {interior} at {angle} rad");
             let frequency = (0..1000).filter(|index| {
                 let u = numbers(40, *index);
-                material.sample(outgoing, TransportMode::Flux, [u[0], u[1], u[2]]).unwrap().relative_index != 1.0
+                material.sample(&view(outgoing, TransportMode::Flux), [u[0], u[1], u[2]]).unwrap().relative_index != 1.0
             });
             assert_eq!(frequency.count() > 0, passes);
         }
@@ -265,7 +275,7 @@ fn chi_square_dielectric_choice() {
         let mut histogram = Histogram::new(2);
         for u in (0..SAMPLES).map(|sample| numbers(family, sample)) {
             let sample =
-                material.sample(outgoing, TransportMode::Flux, [u[0], u[1], u[2]]).expect("glass never absorbs");
+                material.sample(&view(outgoing, TransportMode::Flux), [u[0], u[1], u[2]]).expect("glass never absorbs");
             assert!(sample.is_specular());
             assert!((sample.weight.x - 1.0).abs() < 1e-6, "the choice is not by the share: {}", sample.weight);
             histogram.add(usize::from(sample.direction.z * outgoing.z < 0.0));
@@ -281,7 +291,7 @@ fn analytic_conductor_at_normal_and_grazing_incidence() {
     let material = material(text);
     let reflected = |cosine: f32| {
         let outgoing = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
-        material.sample(outgoing, TransportMode::Radiance, [0.5; 3]).expect("metal reflects").weight
+        material.sample(&view(outgoing, TransportMode::Radiance), [0.5; 3]).expect("metal reflects").weight
     };
     for (channel, (eta, k)) in [(0.2f32, 3.9f32), (0.9, 2.4), (1.5, 1.9)].into_iter().enumerate() {
         let normal = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);

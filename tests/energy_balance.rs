@@ -24,6 +24,7 @@ fn stored_flux(scene: &Scene, most_segments: Option<u32>) -> (f64, f64) {
         // A photon leaves one segment to the camera.
         limits: Limits { max_depth: most_segments.map(|segments| segments + 1), rr_depth: 1 },
         first_stored_segment: 1,
+        narrow_takes_all: false,
         seed: 5,
         stream: Stream::Photon,
         pass: 0,

@@ -30,7 +30,7 @@ fn cloud(family: u32, count: u32) -> Vec<Photon> {
             normal[axis] = if place[3] < 0.5 { 1.0 } else { -1.0 };
         }
         let flux = Rgb::new(other[2], other[3], 1.0) * 3.0;
-        Photon::new(position, octahedral::encode(normal), normal, flux, 1 + index % 40)
+        Photon::new(position, octahedral::encode(normal), normal, flux, 1 + index % 40, index % 5 == 0)
     };
     (0..count).map(photon).collect()
 }
@@ -57,8 +57,15 @@ fn queries(photons: &[Photon], family: u32, count: u32) -> Vec<GatherQuery> {
             normal[axis] = if other[2] < 0.5 { 1.0 } else { -1.0 };
         }
         let radius = [1e-6, 0.01, 0.1, 0.3, 1.0, 4.0, 100.0][(index / 7 % 7) as usize];
-        let most_segments = if index.is_multiple_of(3) { 12 } else { 255 };
-        GatherQuery { position, normal, radius_squared: radius * radius, most_segments }
+        let most_segments = if index.is_multiple_of(3) { 12 } else { 127 };
+        GatherQuery {
+            position,
+            normal,
+            radius_squared: radius * radius,
+            most_segments,
+            caustics_only: index % 2 == 0,
+            both_sides: false,
+        }
     };
     (0..count).map(query).collect()
 }
@@ -89,7 +96,11 @@ fn search(photons: &[Photon], query: &GatherQuery) -> (f64, [f64; 3]) {
         let cosine = Vec3::new(byte(0), byte(8), byte(16)).dot(query.normal);
         let near = offset.length_squared() < query.radius_squared
             && offset.dot(query.normal).abs() <= 0.25 * query.radius_squared.sqrt();
-        if near && cosine > 0.7 && photon.normal_and_segments >> 24 <= query.most_segments {
+        if near
+            && cosine > 0.7
+            && photon.normal_and_segments >> 24 & 0x7f <= query.most_segments
+            && !(query.caustics_only && photon.normal_and_segments >> 31 == 1)
+        {
             count += 1.0;
             (0..3).for_each(|channel| flux[channel] += f64::from(photon.flux[channel]));
         }
@@ -137,14 +148,21 @@ fn agreement_photons_on_the_border_are_found() {
             position[axis] = [LOW[axis], position[axis], HIGH[axis]][digit(axis) as usize];
         }
         for nudge in [1.0, 1.0 - f32::EPSILON, 1.0 + f32::EPSILON] {
-            photons.push(Photon::new(position * nudge, 0, Vec3::Z, Rgb::ONE, 1));
+            photons.push(Photon::new(position * nudge, 0, Vec3::Z, Rgb::ONE, 1, false));
         }
     }
     for cell in [0.001, 0.0317, 0.3, 0.75, 5.0] {
         let map = build(&photons, cell, 1 << 22);
         for photon in &photons {
             let position = Vec3::from_array(photon.position);
-            let query = GatherQuery { position, normal: Vec3::Z, radius_squared: 1e-8, most_segments: 255 };
+            let query = GatherQuery {
+                position,
+                normal: Vec3::Z,
+                radius_squared: 1e-8,
+                most_segments: 127,
+                caustics_only: false,
+                both_sides: false,
+            };
             assert_eq!(map.gather(&query).photons, 3.0, "cells of {cell}: photon at {position}");
         }
     }
@@ -161,12 +179,18 @@ fn agreement_of_an_empty_map_and_a_flat_box() {
     let grid = Grid::new(Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), 0.01, 1 << 20);
     let floor = |index| {
         let u = uniform(3, index, 0);
-        Photon::new(Vec3::new(u[0], 0.0, u[1]), 0, Vec3::Y, Rgb::ONE, 1)
+        Photon::new(Vec3::new(u[0], 0.0, u[1]), 0, Vec3::Y, Rgb::ONE, 1, false)
     };
     let photons: Vec<Photon> = (0..1000).map(floor).collect();
     let map = PhotonMap::build(&[PhotonChunk::sort(&photons, &grid)], grid);
-    let query =
-        GatherQuery { position: Vec3::new(0.5, 0.0, 0.5), normal: Vec3::Y, radius_squared: 2.0, most_segments: 255 };
+    let query = GatherQuery {
+        position: Vec3::new(0.5, 0.0, 0.5),
+        normal: Vec3::Y,
+        radius_squared: 2.0,
+        most_segments: 127,
+        caustics_only: false,
+        both_sides: false,
+    };
     assert_eq!(map.gather(&query).photons, 1000.0);
 }
 

@@ -9,6 +9,7 @@ use crate::estimate::PixelTally;
 use crate::math::random::{PathRandom, Stream};
 use crate::math::{Rgb, octahedral};
 use crate::scene::Scene;
+use crate::scene::material::Lobes;
 use crate::transport::camera_walk::GatherPoint;
 use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{
@@ -31,6 +32,8 @@ pub struct PhotonPasses {
     pub limits: Limits,
     /// How direct light is found.
     pub direct: DirectLight,
+    /// Whether camera paths go on at narrow lobes; else all photons are gathered there.
+    pub follows_narrow: bool,
     /// Photons per pass.
     pub photons_per_pass: u32,
     /// First radius.
@@ -44,12 +47,14 @@ impl PhotonPasses {
         method: &CheckedMethod,
         parameters: &ProgressiveParameters,
         seed: u64,
+        follows_narrow: bool,
     ) -> Result<Self, MethodError> {
         Ok(Self {
             scene,
             seed,
             limits: parameters.limits(),
             direct: parameters.direct,
+            follows_narrow,
             photons_per_pass: method.photons_per_pass,
             first_radius: parameters.first_radius().unwrap_or_default(),
         })
@@ -69,6 +74,7 @@ impl PhotonPasses {
                 DirectLight::Sample => 2,
                 DirectLight::Photons => 1,
             },
+            narrow_takes_all: !self.follows_narrow,
             seed: self.seed,
             stream,
             pass,
@@ -95,21 +101,23 @@ impl PhotonPasses {
     pub fn gather(&self, map: &PhotonMap, point: &GatherPoint, radius_squared: f32) -> (Rgb, f32) {
         let hit = &point.hit;
         let material = self.scene.material(hit.shape);
-        let outgoing = hit.frame.to_local(hit.outgoing);
+        let view = point.view();
         let query = GatherQuery {
             position: hit.position,
             normal: point.facing_normal(),
             radius_squared,
             most_segments: self.limits.most_photon_segments(point.segments),
+            caustics_only: point.goes_on,
+            both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
         };
-        if let Some(value) = material.constant_value(outgoing) {
+        if let Some(value) = material.constant_value(&view) {
             let gathered = map.gather(&query);
             return (gathered.flux * value, gathered.photons);
         }
         let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
         map.visit(&query, |photon| {
             let incident = hit.frame.to_local(octahedral::decode(photon.direction));
-            flux += material.evaluate(outgoing, incident) * Rgb::from_array(photon.flux);
+            flux += material.evaluate(&view, incident) * Rgb::from_array(photon.flux);
             photons += 1.0;
         });
         (flux, photons)

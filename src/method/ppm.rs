@@ -30,9 +30,9 @@ use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::ray::{largest, position_error};
 use crate::scene::geometry::surface::{Interaction, NO_LIGHT, Shape};
-use crate::scene::material::TransportMode;
+use crate::scene::material::Lobes;
 use crate::transport::Counters;
-use crate::transport::camera_walk::{CameraVertex, CameraWalk, GatherPoint};
+use crate::transport::camera_walk::{CameraWalk, GatherPoint};
 use crate::transport::photon_map::PhotonMap;
 use crate::transport::shading;
 
@@ -64,7 +64,7 @@ fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<d
     Ok(Box::new(Ppm {
         samples_per_pixel: parameters.samples_per_pixel,
         error: position_error(largest(low).max(largest(high))),
-        passes: PhotonPasses::new(scene, method, &parameters, seed)?,
+        passes: PhotonPasses::new(scene, method, &parameters, seed, false)?,
         cache: Mutex::new(HashMap::new()),
     }))
 }
@@ -134,7 +134,14 @@ impl HitPoint {
             primitive: 0,
             error,
         };
-        GatherPoint { hit, throughput: self.throughput, segments: self.segments(), path_length: 0.0 }
+        GatherPoint {
+            hit,
+            throughput: self.throughput,
+            segments: self.segments(),
+            path_length: 0.0,
+            lobes: Lobes::SMOOTH,
+            goes_on: false,
+        }
     }
 }
 
@@ -197,35 +204,38 @@ impl Ppm {
         let random = PathRandom::new(self.passes.seed, Stream::Camera, HIT_POINT_PASS, path);
         let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
         let picture = Vec2::new((column as f32 + x) / scene.width as f32, (row as f32 + y) / scene.height as f32);
-        let mut waiting = vec![CameraWalk::new(scene.camera.ray(picture, [lens_x, lens_y]))];
+        let mut waiting = vec![CameraWalk::new(scene.camera.ray(picture, [lens_x, lens_y]), true)];
         while let Some(mut walk) = waiting.pop() {
-            match walk.advance(scene, &self.passes.limits, seen, counters) {
-                CameraVertex::End => {}
-                CameraVertex::Gather(point) => points.push(HitPoint::new(&point)),
-                CameraVertex::Specular(hit) if walk.segments <= SPLIT_SEGMENTS => {
-                    waiting.extend(self.all_directions(&walk, &hit));
+            let Some(point) = walk.advance(scene, &self.passes.limits, seen, counters) else { continue };
+            let lobes = scene.material(point.hit.shape).lobes();
+            if lobes.any(Lobes::SMOOTH) {
+                points.push(HitPoint::new(&point));
+            }
+            if lobes.any(Lobes::SPECULAR) {
+                match walk.segments <= SPLIT_SEGMENTS {
+                    true => waiting.extend(self.all_directions(&walk, &point)),
+                    false => waiting.extend(self.one_direction(walk, &point, &random)),
                 }
-                CameraVertex::Specular(hit) => waiting.extend(self.one_direction(walk, &hit, &random)),
             }
         }
     }
 
-    fn all_directions(&self, walk: &CameraWalk, hit: &Interaction) -> impl Iterator<Item = CameraWalk> {
-        let outgoing = hit.frame.to_local(hit.outgoing);
-        let lobes = self.passes.scene.material(hit.shape).specular_lobes(outgoing, TransportMode::Radiance);
-        let (walk, hit) = (*walk, *hit);
+    fn all_directions(&self, walk: &CameraWalk, point: &GatherPoint) -> impl Iterator<Item = CameraWalk> {
+        let (walk, hit, view) = (*walk, point.hit, point.view().of(Lobes::SPECULAR));
+        let lobes = self.passes.scene.material(hit.shape).specular_lobes(&view);
         lobes.into_iter().flatten().filter_map(move |sample| {
-            let scattering = shading::finish(&hit, outgoing, sample, TransportMode::Radiance)?;
+            let scattering = shading::finish(&hit, &view, sample)?;
             let mut branch = walk;
             branch.follow(&hit, &scattering);
             Some(branch)
         })
     }
 
-    fn one_direction(&self, mut walk: CameraWalk, hit: &Interaction, random: &PathRandom) -> Option<CameraWalk> {
+    fn one_direction(&self, mut walk: CameraWalk, point: &GatherPoint, random: &PathRandom) -> Option<CameraWalk> {
+        let hit = &point.hit;
         let u = random.block(dimension::scattering(walk.segments));
         let material = self.passes.scene.material(hit.shape);
-        let scattering = shading::scatter(hit, material, TransportMode::Radiance, [u[0], u[1], u[2]])?;
+        let scattering = shading::scatter(hit, material, &point.view().of(Lobes::SPECULAR), [u[0], u[1], u[2]])?;
         walk.follow(hit, &scattering);
         walk.survives(&self.passes.limits, u[3]).then_some(walk)
     }

@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, HELP, ParameterHelp};
+use super::parameters::{self, DirectLight, HELP, ParameterHelp};
 use super::photon_pass::{PILOT_PASS, PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::PixelTally;
@@ -28,7 +28,7 @@ use crate::math::random::{PathRandom, Stream, dimension};
 use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::transport::Counters;
-use crate::transport::camera_walk::{CameraWalk, GatherPoint, walk_to_gather_point};
+use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::photon_map::PhotonMap;
 
 const NAME: &str = "sppm";
@@ -51,7 +51,7 @@ fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodErro
 
 fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
     let parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
-    Ok(Box::new(Sppm { passes: PhotonPasses::new(scene, method, &parameters, seed)? }))
+    Ok(Box::new(Sppm { passes: PhotonPasses::new(scene, method, &parameters, seed, true)? }))
 }
 
 struct Sppm {
@@ -59,9 +59,15 @@ struct Sppm {
 }
 
 impl Sppm {
-    /// The path of a pixel in a pass: radiance seen on the way, and where to gather.
+    /// Traces the path of a pixel in a pass and shows `gather` where it gathers; the radiance seen on the way.
     #[inline]
-    fn camera_path(&self, random: &PathRandom, pixel: usize, counters: &mut Counters) -> (Rgb, Option<GatherPoint>) {
+    fn camera_path(
+        &self,
+        random: &PathRandom,
+        pixel: usize,
+        counters: &mut Counters,
+        gather: impl FnMut(&GatherPoint, &mut Rgb, &mut Counters),
+    ) -> Rgb {
         let scene = &*self.passes.scene;
         let width = scene.width as usize;
         let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
@@ -69,10 +75,11 @@ impl Sppm {
             ((pixel % width) as f32 + x) / scene.width as f32,
             ((pixel / width) as f32 + y) / scene.height as f32,
         );
-        let walk = CameraWalk::new(scene.camera.ray(picture, [lens_x, lens_y]));
+        let ray = scene.camera.ray(picture, [lens_x, lens_y]);
+        let walk = CameraWalk::new(ray, self.passes.direct == DirectLight::Sample);
         let mut radiance = Rgb::ZERO;
-        let point = walk_to_gather_point(scene, walk, random, &self.passes.limits, &mut radiance, counters);
-        (radiance, point)
+        trace_camera_path(scene, walk, random, &self.passes.limits, &mut radiance, counters, gather);
+        radiance
     }
 
     /// One pixel of one pass.
@@ -87,11 +94,14 @@ impl Sppm {
         counters: &mut Counters,
     ) {
         let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, pixel as u32);
-        let (mut radiance, point) = self.camera_path(&random, pixel, counters);
-        let Some(point) = point else { return add_to_tally(tally, pass, radiance, Rgb::ZERO, 0.0, counters) };
-        radiance += point.throughput * self.passes.direct_light(&point, &random, counters);
-        let (flux, photons) = self.passes.gather(map, &point, radius_squared * pass.scale);
-        add_to_tally(tally, pass, radiance, point.throughput * flux, photons, counters);
+        let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
+        let radiance = self.camera_path(&random, pixel, counters, |point, radiance, counters| {
+            *radiance += point.throughput * self.passes.direct_light(point, &random, counters);
+            let found = self.passes.gather(map, point, radius_squared * pass.scale);
+            flux += point.throughput * found.0;
+            photons += found.1;
+        });
+        add_to_tally(tally, pass, radiance, flux, photons, counters);
     }
 }
 
@@ -128,10 +138,13 @@ impl PreparedMethod for Sppm {
             .map(|pixel| {
                 let mut counters = Counters::default();
                 let random = PathRandom::new(self.passes.seed, Stream::PilotCamera, PILOT_PASS, pixel as u32);
-                let point = self.camera_path(&random, pixel, &mut counters).1;
-                // Direct light will cost its rays too.
-                counters.rays += 2 * u64::from(point.is_some());
-                let radius = point.map(|point| self.passes.first_radius_squared(&map, &point, point.path_length));
+                let mut last = None;
+                self.camera_path(&random, pixel, &mut counters, |point, _, counters| {
+                    // Direct light will cost its rays too.
+                    counters.rays += 2;
+                    last = Some(*point);
+                });
+                let radius = last.map(|point| self.passes.first_radius_squared(&map, &point, point.path_length));
                 (radius, counters)
             })
             .collect();

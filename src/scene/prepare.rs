@@ -13,7 +13,7 @@ use super::geometry::surface::NO_LIGHT;
 use super::geometry::{Geometry, Shape};
 use super::light::area::read_radiance;
 use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
-use super::material::{self, Lobes, Material, TransportMode};
+use super::material::{self, Lobes, Material, TransportMode, View};
 use crate::math::{Rgb, Vec2};
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
@@ -101,11 +101,7 @@ impl Scene {
 
     /// What any of its materials can do; decides what has to run.
     pub fn lobes(&self) -> Lobes {
-        self.materials.iter().map(Material::lobes).fold(Lobes::default(), |all, one| Lobes {
-            smooth: all.smooth || one.smooth,
-            specular: all.specular || one.specular,
-            transmissive: all.transmissive || one.transmissive,
-        })
+        self.materials.iter().map(Material::lobes).fold(Lobes::NONE, |all, one| all | one)
     }
 }
 
@@ -118,7 +114,8 @@ fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sens
         hit.is_some_and(|hit| {
             let outgoing = hit.frame.to_local(hit.outgoing);
             let material = &materials[hit.shape.material as usize];
-            outgoing.z < 0.0 && material.sample(outgoing, TransportMode::Radiance, [0.5; 3]).is_none()
+            outgoing.z < 0.0
+                && material.sample(&View::new(Vec2::ZERO, outgoing, TransportMode::Radiance), [0.5; 3]).is_none()
         })
     };
     if !(0..SIDE * SIDE).all(sees_black_back) {

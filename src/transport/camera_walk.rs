@@ -1,16 +1,22 @@
-//! Camera paths: from the lens through specular surfaces to the first one where photons are stored.
+//! Camera paths: from the lens through specular and glossy surfaces to the first wide lobe, where they gather and end.
+//!
+//! A path gathers at every vertex with a lobe that has a density. At a wide lobe it gathers all photons and ends. At a
+//! narrow one few photons would count: it goes on there and finds scattered light further away, and gathers only what it
+//! cannot find so, caustics. Light from a source to a narrow lobe is shared between light sampling and the path that goes
+//! on, by multiple importance sampling; sources seen further on through specular surfaces are left to caustic photons.
 
 use crate::math::random::{PathRandom, dimension};
 use crate::math::{Rgb, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::{Interaction, Ray};
-use crate::scene::material::TransportMode;
+use crate::scene::material::{Lobes, TransportMode, View};
 
 use super::counters::Counters;
 use super::limits::Limits;
+use super::multiple_importance::power_heuristic;
 use super::shading::{self, Scattering};
 
-/// Where a camera path meets the first surface with a smooth lobe.
+/// Where a camera path meets a surface, and the lobes in which it gathers there.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherPoint {
     /// The surface.
@@ -21,6 +27,10 @@ pub struct GatherPoint {
     pub segments: u32,
     /// Length of the path from the camera to here, m.
     pub path_length: f32,
+    /// The lobes that are gathered in.
+    pub lobes: Lobes,
+    /// The path goes on in the same lobes: only caustics are gathered.
+    pub goes_on: bool,
 }
 
 impl GatherPoint {
@@ -30,6 +40,23 @@ impl GatherPoint {
         let normal = self.hit.geometric_normal;
         if self.hit.outgoing.dot(normal) < 0.0 { -normal } else { normal }
     }
+
+    /// The surface as the path sees it.
+    #[inline]
+    pub fn view(&self) -> View {
+        shading::view(&self.hit, TransportMode::Radiance).of(self.lobes)
+    }
+}
+
+/// How emission counts that the next segment meets.
+#[derive(Clone, Copy, Debug)]
+enum SeenEmission {
+    /// In full: nothing but specular surfaces lie between here and the camera.
+    Full,
+    /// Shared with light sampling at the last vertex, whose lobe has this density by solid angle.
+    Shared(f32),
+    /// Not at all: caustic photons bring it.
+    ByPhotons,
 }
 
 /// A camera path on its way.
@@ -45,25 +72,26 @@ pub struct CameraWalk {
     pub path_length: f32,
     /// Product of squared relative indices: undoes refraction's scaling of radiance when roulette judges a path.
     index_squared: f32,
-}
-
-/// What the next vertex of a camera path is.
-pub enum CameraVertex {
-    /// The path left the scene or was absorbed.
-    End,
-    /// A surface with a smooth lobe: gather here.
-    Gather(GatherPoint),
-    /// A purely specular surface: go on.
-    Specular(Interaction),
+    emission: SeenEmission,
+    /// Whether lights are sampled at gather points; else photons bring their light.
+    samples_lights: bool,
 }
 
 impl CameraWalk {
     /// A path that starts with a camera ray.
-    pub fn new(ray: Ray) -> Self {
-        Self { ray, throughput: Rgb::ONE, segments: 0, path_length: 0.0, index_squared: 1.0 }
+    pub fn new(ray: Ray, samples_lights: bool) -> Self {
+        Self {
+            ray,
+            throughput: Rgb::ONE,
+            segments: 0,
+            path_length: 0.0,
+            index_squared: 1.0,
+            emission: SeenEmission::Full,
+            samples_lights,
+        }
     }
 
-    /// Traces the next segment; emission that it sees is added to `radiance`.
+    /// Traces the next segment; emission that it sees is added to `radiance`. `None` when the path left the scene.
     #[inline]
     pub fn advance(
         &mut self,
@@ -71,27 +99,32 @@ impl CameraWalk {
         limits: &Limits,
         radiance: &mut Rgb,
         counters: &mut Counters,
-    ) -> CameraVertex {
+    ) -> Option<GatherPoint> {
         if !limits.allows(self.segments + 1) {
-            return CameraVertex::End;
+            return None;
         }
         self.segments += 1;
         counters.rays += 1;
-        let Some(hit) = scene.geometry.intersect(&self.ray) else {
-            if let Some((environment, _)) = scene.lights.environment() {
-                *radiance += self.throughput * environment;
-            }
-            return CameraVertex::End;
+        let found = scene.geometry.intersect(&self.ray);
+        let emitted = match &found {
+            Some(hit) => scene.lights.emitted(&scene.geometry, self.ray.origin, hit),
+            None => scene.lights.environment(),
         };
-        if let Some((emitted, _)) = scene.lights.emitted(&scene.geometry, self.ray.origin, &hit) {
-            *radiance += self.throughput * emitted;
+        if let Some((emitted, light_pdf)) = emitted {
+            *radiance += self.throughput * emitted * self.emission_share(light_pdf);
         }
+        let hit = found?;
         self.path_length += hit.distance;
-        if !scene.material(hit.shape).lobes().smooth {
-            return CameraVertex::Specular(hit);
-        }
         let Self { throughput, segments, path_length, .. } = *self;
-        CameraVertex::Gather(GatherPoint { hit, throughput, segments, path_length })
+        Some(GatherPoint { hit, throughput, segments, path_length, lobes: Lobes::ALL, goes_on: false })
+    }
+
+    fn emission_share(&self, light_pdf: f32) -> f32 {
+        match self.emission {
+            SeenEmission::Full => 1.0,
+            SeenEmission::Shared(pdf) => power_heuristic(pdf, light_pdf),
+            SeenEmission::ByPhotons => 0.0,
+        }
     }
 
     /// Goes on after a scattering.
@@ -101,6 +134,11 @@ impl CameraWalk {
         let index = scattering.sample.relative_index;
         self.index_squared *= index * index;
         self.ray = hit.ray_to(scattering.direction);
+        self.emission = match self.emission {
+            _ if !scattering.sample.is_specular() && self.samples_lights => SeenEmission::Shared(scattering.sample.pdf),
+            SeenEmission::Full if scattering.sample.is_specular() => SeenEmission::Full,
+            _ => SeenEmission::ByPhotons,
+        };
     }
 
     /// Plays roulette with `u`; false ends the path.
@@ -116,28 +154,50 @@ impl CameraWalk {
     }
 }
 
-/// Walks to the first surface with a smooth lobe, one random lobe at each specular one; adds emission seen on the way.
+impl GatherPoint {
+    /// Decides whether the path ends here or goes on, and keeps the lobes that this leaves.
+    #[inline]
+    fn choose(&mut self, scene: &Scene, random: &PathRandom) {
+        let share = scene.material(self.hit.shape).followed_share(&self.view());
+        self.goes_on = match share {
+            0.0 => false,
+            1.0 => true,
+            share => random.block(dimension::light(self.segments))[3] < share,
+        };
+        self.throughput /= if self.goes_on { share } else { 1.0 - share };
+        self.lobes = if self.goes_on { Lobes::FOLLOWED } else { Lobes::WIDE };
+    }
+}
+
+/// Follows a path to its end, one random lobe at each surface where it goes on; adds emission seen on the way and shows
+/// every point where the path gathers to `gather`, the widest last.
 #[inline]
-pub fn walk_to_gather_point(
+pub fn trace_camera_path(
     scene: &Scene,
     mut walk: CameraWalk,
     random: &PathRandom,
     limits: &Limits,
     radiance: &mut Rgb,
     counters: &mut Counters,
-) -> Option<GatherPoint> {
-    loop {
-        let hit = match walk.advance(scene, limits, radiance, counters) {
-            CameraVertex::End => return None,
-            CameraVertex::Gather(point) => return Some(point),
-            CameraVertex::Specular(hit) => hit,
-        };
+    mut gather: impl FnMut(&GatherPoint, &mut Rgb, &mut Counters),
+) {
+    while let Some(mut point) = walk.advance(scene, limits, radiance, counters) {
+        point.choose(scene, random);
+        let material = scene.material(point.hit.shape);
+        if !point.goes_on || material.lobes().any(Lobes::NARROW) {
+            gather(&point, radiance, counters);
+        }
+        if !point.goes_on {
+            return;
+        }
+        walk.throughput = point.throughput;
         let u = random.block(dimension::scattering(walk.segments));
-        let scattering =
-            shading::scatter(&hit, scene.material(hit.shape), TransportMode::Radiance, [u[0], u[1], u[2]])?;
-        walk.follow(&hit, &scattering);
+        let Some(scattering) = shading::scatter(&point.hit, material, &point.view(), [u[0], u[1], u[2]]) else {
+            return;
+        };
+        walk.follow(&point.hit, &scattering);
         if !walk.survives(limits, u[3]) {
-            return None;
+            return;
         }
     }
 }

@@ -5,27 +5,21 @@ use crate::math::Rgb;
 use crate::math::random::{PathRandom, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
-use crate::scene::material::TransportMode;
 
 use super::camera_walk::GatherPoint;
 use super::counters::Counters;
+use super::multiple_importance::power_heuristic;
 use super::shading;
 
 /// Rays to lights end this share before the light, so that rounding does not let the light hide itself.
 const SHADOW_END: f32 = 1.0 - 1.0 / 65_536.0;
 
-/// Weight of a sample with density `pdf` where another way of sampling has density `other`.
-#[inline]
-fn power_heuristic(pdf: f32, other: f32) -> f32 {
-    let ratio = other / pdf;
-    1.0 / (1.0 + ratio * ratio)
-}
-
-/// Reflected direct radiance at `point`, without the path's throughput.
+/// Direct radiance that the point's lobes reflect, without the path's throughput; where the path goes on, its next segment
+/// takes the part of material sampling.
 #[inline]
 pub fn direct_light(scene: &Scene, point: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
     let by_light = sample_light(scene, point, random, counters);
-    if !scene.lights.has_extent() {
+    if point.goes_on || !scene.lights.has_extent() {
         return by_light;
     }
     by_light + sample_material(scene, point, random, counters)
@@ -38,9 +32,9 @@ fn sample_light(scene: &Scene, point: &GatherPoint, random: &PathRandom, counter
     let u = random.block(dimension::light(point.segments));
     let origin = hit.offset_towards(hit.outgoing);
     let Some(light) = scene.lights.sample_direct(&scene.geometry, origin, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
-    let outgoing = hit.frame.to_local(hit.outgoing);
+    let view = point.view();
     let incident = hit.frame.to_local(light.direction);
-    let reflected = material.evaluate(outgoing, incident) * incident.z.abs();
+    let reflected = material.evaluate(&view, incident) * incident.z.abs();
     // Light from the other side of the true surface would leak through it.
     let leaks = light.direction.dot(hit.geometric_normal) * incident.z <= 0.0;
     if reflected == Rgb::ZERO || leaks {
@@ -57,7 +51,7 @@ fn sample_light(scene: &Scene, point: &GatherPoint, random: &PathRandom, counter
     }
     let weight = match light.pdf_solid_angle {
         0.0 => 1.0,
-        pdf => power_heuristic(pdf, material.pdf(outgoing, incident)),
+        pdf => power_heuristic(pdf, material.pdf(&view, incident)),
     };
     reflected * light.weighted_radiance * weight
 }
@@ -67,7 +61,7 @@ fn sample_material(scene: &Scene, point: &GatherPoint, random: &PathRandom, coun
     let hit = &point.hit;
     let u = random.block(dimension::scattering(point.segments));
     let material = scene.material(hit.shape);
-    let Some(scattering) = shading::scatter(hit, material, TransportMode::Radiance, [u[0], u[1], u[2]]) else {
+    let Some(scattering) = shading::scatter(hit, material, &point.view(), [u[0], u[1], u[2]]) else {
         return Rgb::ZERO;
     };
     let ray = hit.ray_to(scattering.direction);

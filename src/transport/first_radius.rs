@@ -55,7 +55,9 @@ pub fn first_radius_squared(map: &PhotonMap, point: &GatherPoint, footprint: f32
             position: point.hit.position,
             normal: point.facing_normal(),
             radius_squared,
-            most_segments: 255,
+            most_segments: 127,
+            caustics_only: point.goes_on,
+            both_sides: false,
         };
         let found = map.gather(&query).photons;
         let step = FIRST_GATHER_PHOTONS / found.max(0.5);

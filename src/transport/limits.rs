@@ -17,12 +17,12 @@ const LONGEST_SURVIVAL: f32 = 0.95;
 
 impl Limits {
     /// The largest limit that is kept to the segment.
-    pub const LONGEST_EXACT: u32 = 254;
+    pub const LONGEST_EXACT: u32 = 126;
 
-    /// Segments that a photon may have at the end of `camera_segments`; 255 lets all photons count.
+    /// Segments that a photon may have at the end of `camera_segments`; 127 lets all photons count.
     #[inline]
     pub fn most_photon_segments(&self, camera_segments: u32) -> u32 {
-        self.max_depth.map_or(255, |limit| limit.saturating_sub(camera_segments).min(255))
+        self.max_depth.map_or(127, |limit| limit.saturating_sub(camera_segments).min(127))
     }
 
     /// Whether a path of `segments` is within the limit.

@@ -7,6 +7,7 @@ pub mod counters;
 pub mod direct_light;
 pub mod first_radius;
 pub mod limits;
+pub mod multiple_importance;
 pub mod photon_map;
 pub mod photon_tracing;
 pub mod shading;

@@ -4,7 +4,7 @@ use crate::math::octahedral;
 use crate::math::random::{PathRandom, Stream, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::{Interaction, Ray};
-use crate::scene::material::TransportMode;
+use crate::scene::material::{Lobes, TransportMode};
 
 use super::counters::Counters;
 use super::limits::Limits;
@@ -18,6 +18,8 @@ pub struct PhotonSettings {
     pub limits: Limits,
     /// Photons with fewer segments are not stored: 2 leaves direct light to sampling, 1 stores all.
     pub first_stored_segment: u32,
+    /// Whether narrow lobes take all photons, or only those that just specular surfaces scattered.
+    pub narrow_takes_all: bool,
     /// Job seed.
     pub seed: u64,
     /// Family of random numbers.
@@ -48,6 +50,7 @@ pub fn trace_photon(
         counters.non_finite += u64::from(!emitted_peak.is_finite());
         return;
     }
+    let mut scattered = false;
     for segments in 1u32.. {
         if !settings.limits.allows(segments + 1) {
             return;
@@ -55,12 +58,14 @@ pub fn trace_photon(
         counters.rays += 1;
         let Some(hit) = scene.geometry.intersect(&ray) else { return };
         let material = scene.material(hit.shape);
-        if segments >= settings.first_stored_segment && material.lobes().smooth {
-            photons.extend(stored(&hit, flux, segments));
+        let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
+        if segments >= settings.first_stored_segment && material.lobes().any(takers) {
+            photons.extend(stored(&hit, flux, segments, scattered));
         }
         let u = random.block(dimension::scattering(segments));
-        let scattering = shading::scatter(&hit, material, TransportMode::Flux, [u[0], u[1], u[2]]);
-        let Some(scattering) = scattering else { return };
+        let view = shading::view(&hit, TransportMode::Flux);
+        let Some(scattering) = shading::scatter(&hit, material, &view, [u[0], u[1], u[2]]) else { return };
+        scattered |= !scattering.sample.is_specular();
         flux *= scattering.weight;
         let survival = settings.limits.survival(segments, flux.max_element() / emitted_peak);
         if u[3] >= survival {
@@ -74,7 +79,7 @@ pub fn trace_photon(
 /// The photon as it is kept. A density estimate measures flux per true area while the material weighs it by the shading
 /// normal's cosine, hence the factor `|ω·Ns|/|ω·Ng|`, 1 on flat surfaces.
 #[inline]
-fn stored(hit: &Interaction, flux: crate::math::Rgb, segments: u32) -> Option<Photon> {
+fn stored(hit: &Interaction, flux: crate::math::Rgb, segments: u32, scattered: bool) -> Option<Photon> {
     let cosine = hit.outgoing.dot(hit.geometric_normal);
     let facing = if cosine < 0.0 { -hit.geometric_normal } else { hit.geometric_normal };
     let shading_cosine = hit.outgoing.dot(hit.frame.normal);
@@ -82,5 +87,5 @@ fn stored(hit: &Interaction, flux: crate::math::Rgb, segments: u32) -> Option<Ph
         return None;
     }
     let flux = flux * (shading_cosine / cosine);
-    Some(Photon::new(hit.position, octahedral::encode(hit.outgoing), facing, flux, segments))
+    Some(Photon::new(hit.position, octahedral::encode(hit.outgoing), facing, flux, segments, scattered))
 }

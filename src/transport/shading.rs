@@ -1,8 +1,8 @@
 //! One scattering event of a walk: sampling, the checks and corrections that shading normals need.
 
-use crate::math::{Rgb, Vec3};
+use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::geometry::Interaction;
-use crate::scene::material::{Material, MaterialSample, TransportMode};
+use crate::scene::material::{Material, MaterialSample, TransportMode, View};
 
 /// A scattered path.
 #[derive(Clone, Copy, Debug)]
@@ -15,12 +15,17 @@ pub struct Scattering {
     pub sample: MaterialSample,
 }
 
+/// The surface as the path that came to `hit` sees it, with all lobes.
+#[inline]
+pub fn view(hit: &Interaction, mode: TransportMode) -> View {
+    View::new(Vec2::ZERO, hit.frame.to_local(hit.outgoing), mode)
+}
+
 /// Samples `material` at `hit` with three numbers; `None` where the path ends.
 #[inline]
-pub fn scatter(hit: &Interaction, material: &Material, mode: TransportMode, u: [f32; 3]) -> Option<Scattering> {
-    let outgoing = hit.frame.to_local(hit.outgoing);
-    let sample = material.sample(outgoing, mode, u)?;
-    finish(hit, outgoing, sample, mode)
+pub fn scatter(hit: &Interaction, material: &Material, view: &View, u: [f32; 3]) -> Option<Scattering> {
+    let sample = material.sample(view, u)?;
+    finish(hit, view, sample)
 }
 
 /// Turns a local sample into a step of the walk.
@@ -28,17 +33,17 @@ pub fn scatter(hit: &Interaction, material: &Material, mode: TransportMode, u: [
 /// Directions that leave on one side of the shading normal and on the other of the true one are ended: they would leak
 /// through the surface. Flux takes the factor `|ωo·Ns||ωi·Ng|/(|ωo·Ng||ωi·Ns|)` [Veach 1997, eq. 5.19].
 #[inline]
-pub fn finish(hit: &Interaction, outgoing: Vec3, sample: MaterialSample, mode: TransportMode) -> Option<Scattering> {
+pub fn finish(hit: &Interaction, view: &View, sample: MaterialSample) -> Option<Scattering> {
     let direction = hit.frame.to_world(sample.direction);
     let mut weight = sample.weight;
     if hit.frame.normal != hit.geometric_normal {
         let out_geometric = hit.outgoing.dot(hit.geometric_normal);
         let in_geometric = direction.dot(hit.geometric_normal);
-        if out_geometric * outgoing.z <= 0.0 || in_geometric * sample.direction.z <= 0.0 {
+        if out_geometric * view.outgoing.z <= 0.0 || in_geometric * sample.direction.z <= 0.0 {
             return None;
         }
-        if mode == TransportMode::Flux {
-            weight *= ((outgoing.z * in_geometric) / (out_geometric * sample.direction.z)).abs();
+        if view.mode == TransportMode::Flux {
+            weight *= ((view.outgoing.z * in_geometric) / (out_geometric * sample.direction.z)).abs();
         }
     }
     Some(Scattering { direction, weight, sample })

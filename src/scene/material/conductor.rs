@@ -7,7 +7,7 @@
 //! | `specular_reflectance` | factor on the reflection | 0 to 1 | 1 |
 
 use super::measured_metals::METALS;
-use super::{Lobes, MaterialSample, TransportMode, fresnel, read_share};
+use super::{Lobes, MaterialSample, View, fresnel, read_share};
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
@@ -59,8 +59,9 @@ impl Conductor {
 
     /// The mirrored direction.
     #[inline]
-    pub fn sample(&self, outgoing: Vec3, _mode: TransportMode, _u: [f32; 3]) -> Option<MaterialSample> {
-        if outgoing.z <= 0.0 {
+    pub fn sample(&self, view: &View, _u: [f32; 3]) -> Option<MaterialSample> {
+        let outgoing = view.outgoing;
+        if outgoing.z <= 0.0 || !view.lobes.any(Lobes::SPECULAR) {
             return None;
         }
         let reflected = match self.index {
@@ -72,27 +73,32 @@ impl Conductor {
     }
 
     /// Black: its lobe is specular.
-    pub fn evaluate(&self, _outgoing: Vec3, _incident: Vec3) -> Rgb {
+    pub fn evaluate(&self, _view: &View, _incident: Vec3) -> Rgb {
         Rgb::ZERO
     }
 
     /// 0: its lobe is specular.
-    pub fn pdf(&self, _outgoing: Vec3, _incident: Vec3) -> f32 {
+    pub fn pdf(&self, _view: &View, _incident: Vec3) -> f32 {
         0.0
     }
 
     /// One specular lobe.
     pub fn lobes(&self) -> Lobes {
-        Lobes { specular: true, ..Lobes::default() }
+        Lobes::SPECULAR
+    }
+
+    /// 1: there is nothing to gather.
+    pub fn followed_share(&self, _view: &View) -> f32 {
+        1.0
     }
 
     /// The mirrored direction.
-    pub fn specular_lobes(&self, outgoing: Vec3, mode: TransportMode) -> [Option<MaterialSample>; 2] {
-        [self.sample(outgoing, mode, [0.0; 3]), None]
+    pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
+        [self.sample(view, [0.0; 3]), None]
     }
 
     /// None: nothing is gathered here.
-    pub fn constant_value(&self, _outgoing: Vec3) -> Option<Rgb> {
+    pub fn constant_value(&self, _view: &View) -> Option<Rgb> {
         None
     }
 }

@@ -9,7 +9,7 @@
 //! Reflection is chosen with Fresnel's probability. Refraction scales radiance, but not flux, by the squared index ratio.
 
 use super::refractive_indices::REFRACTIVE_INDICES;
-use super::{Lobes, MaterialSample, TransportMode, fresnel, read_share};
+use super::{Lobes, MaterialSample, TransportMode, View, fresnel, read_share};
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
@@ -58,12 +58,15 @@ impl Dielectric {
 
     /// Chooses reflection or refraction with Fresnel's probability.
     #[inline]
-    pub fn sample(&self, outgoing: Vec3, mode: TransportMode, u: [f32; 3]) -> Option<MaterialSample> {
-        let (boundary, relative_index) = self.boundary(outgoing);
+    pub fn sample(&self, view: &View, u: [f32; 3]) -> Option<MaterialSample> {
+        if !view.lobes.any(Lobes::SPECULAR) {
+            return None;
+        }
+        let (boundary, relative_index) = self.boundary(view.outgoing);
         if u[2] < boundary.reflected {
-            Some(self.reflection(outgoing))
+            Some(self.reflection(view.outgoing))
         } else {
-            Some(self.refraction(outgoing, boundary.cosine_refracted, relative_index, mode))
+            Some(self.refraction(view, boundary.cosine_refracted, relative_index))
         }
     }
 
@@ -77,10 +80,11 @@ impl Dielectric {
         MaterialSample { direction, weight: self.specular_reflectance, pdf: 0.0, relative_index: 1.0 }
     }
 
-    fn refraction(&self, outgoing: Vec3, cosine: f32, relative_index: f32, mode: TransportMode) -> MaterialSample {
+    fn refraction(&self, view: &View, cosine: f32, relative_index: f32) -> MaterialSample {
+        let outgoing = view.outgoing;
         let inverse = 1.0 / relative_index;
         let direction = Vec3::new(-outgoing.x * inverse, -outgoing.y * inverse, -cosine.copysign(outgoing.z));
-        let scale = match mode {
+        let scale = match view.mode {
             TransportMode::Radiance => inverse * inverse,
             TransportMode::Flux => 1.0,
         };
@@ -88,32 +92,37 @@ impl Dielectric {
     }
 
     /// Black: its lobes are specular.
-    pub fn evaluate(&self, _outgoing: Vec3, _incident: Vec3) -> Rgb {
+    pub fn evaluate(&self, _view: &View, _incident: Vec3) -> Rgb {
         Rgb::ZERO
     }
 
     /// 0: its lobes are specular.
-    pub fn pdf(&self, _outgoing: Vec3, _incident: Vec3) -> f32 {
+    pub fn pdf(&self, _view: &View, _incident: Vec3) -> f32 {
         0.0
     }
 
     /// Two specular lobes.
     pub fn lobes(&self) -> Lobes {
-        Lobes { specular: true, transmissive: true, ..Lobes::default() }
+        Lobes::SPECULAR | Lobes::TRANSMISSIVE
+    }
+
+    /// 1: there is nothing to gather.
+    pub fn followed_share(&self, _view: &View) -> f32 {
+        1.0
     }
 
     /// Reflection and refraction, each weighted by its share.
-    pub fn specular_lobes(&self, outgoing: Vec3, mode: TransportMode) -> [Option<MaterialSample>; 2] {
-        let (boundary, relative_index) = self.boundary(outgoing);
+    pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
+        let (boundary, relative_index) = self.boundary(view.outgoing);
         let weighted = |sample: MaterialSample, share: f32| {
             (share > 0.0).then_some(MaterialSample { weight: sample.weight * share, ..sample })
         };
-        let refraction = self.refraction(outgoing, boundary.cosine_refracted, relative_index, mode);
-        [weighted(self.reflection(outgoing), boundary.reflected), weighted(refraction, 1.0 - boundary.reflected)]
+        let refraction = self.refraction(view, boundary.cosine_refracted, relative_index);
+        [weighted(self.reflection(view.outgoing), boundary.reflected), weighted(refraction, 1.0 - boundary.reflected)]
     }
 
     /// None: nothing is gathered here.
-    pub fn constant_value(&self, _outgoing: Vec3) -> Option<Rgb> {
+    pub fn constant_value(&self, _view: &View) -> Option<Rgb> {
         None
     }
 }

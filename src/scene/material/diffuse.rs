@@ -8,7 +8,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{Lobes, MaterialSample, TransportMode, read_share};
+use super::{Lobes, MaterialSample, View, read_share};
 use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -32,10 +32,10 @@ impl Diffuse {
 
     /// Samples by the cosine: the weight is the reflectance.
     #[inline]
-    pub fn sample(&self, outgoing: Vec3, _mode: TransportMode, u: [f32; 3]) -> Option<MaterialSample> {
+    pub fn sample(&self, view: &View, u: [f32; 3]) -> Option<MaterialSample> {
         let direction = warp::cosine_hemisphere([u[0], u[1]]);
         let pdf = warp::cosine_hemisphere_pdf(direction.z);
-        (outgoing.z > 0.0 && pdf > 0.0).then_some(MaterialSample {
+        (seen(view) && pdf > 0.0).then_some(MaterialSample {
             direction,
             weight: self.reflectance,
             pdf,
@@ -45,29 +45,39 @@ impl Diffuse {
 
     /// reflectance/π above the surface.
     #[inline]
-    pub fn evaluate(&self, outgoing: Vec3, incident: Vec3) -> Rgb {
-        if outgoing.z > 0.0 && incident.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+    pub fn evaluate(&self, view: &View, incident: Vec3) -> Rgb {
+        if seen(view) && incident.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
     }
 
     /// cos θ/π above the surface.
     #[inline]
-    pub fn pdf(&self, outgoing: Vec3, incident: Vec3) -> f32 {
-        if outgoing.z > 0.0 { warp::cosine_hemisphere_pdf(incident.z) } else { 0.0 }
+    pub fn pdf(&self, view: &View, incident: Vec3) -> f32 {
+        if seen(view) { warp::cosine_hemisphere_pdf(incident.z) } else { 0.0 }
     }
 
-    /// One smooth lobe.
+    /// One wide lobe.
     pub fn lobes(&self) -> Lobes {
-        Lobes { smooth: true, ..Lobes::default() }
+        Lobes::WIDE
+    }
+
+    /// 0: there is nothing to follow.
+    pub fn followed_share(&self, _view: &View) -> f32 {
+        0.0
     }
 
     /// None.
-    pub fn specular_lobes(&self, _outgoing: Vec3, _mode: TransportMode) -> [Option<MaterialSample>; 2] {
+    pub fn specular_lobes(&self, _view: &View) -> [Option<MaterialSample>; 2] {
         [None, None]
     }
 
     /// reflectance/π.
     #[inline]
-    pub fn constant_value(&self, outgoing: Vec3) -> Option<Rgb> {
-        Some(if outgoing.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO })
+    pub fn constant_value(&self, view: &View) -> Option<Rgb> {
+        Some(if seen(view) { self.reflectance * FRAC_1_PI } else { Rgb::ZERO })
     }
+}
+
+#[inline]
+fn seen(view: &View) -> bool {
+    view.outgoing.z > 0.0 && view.lobes.any(Lobes::WIDE)
 }

@@ -12,7 +12,7 @@ pub mod measured_metals;
 pub mod refractive_indices;
 pub mod two_sided;
 
-use crate::math::{Rgb, Vec3};
+use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::Node;
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
@@ -29,6 +29,42 @@ pub enum TransportMode {
     Radiance,
     /// A photon path.
     Flux,
+}
+
+/// A material seen from a direction: what a question about scattering is about.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// Texture coordinates.
+    pub uv: Vec2,
+    /// Local unit direction in which the path came, pointing away from the surface.
+    pub outgoing: Vec3,
+    /// What the path carries.
+    pub mode: TransportMode,
+    /// Only these lobes count.
+    pub lobes: Lobes,
+}
+
+impl View {
+    /// All lobes at `uv`, seen from `outgoing`.
+    pub fn new(uv: Vec2, outgoing: Vec3, mode: TransportMode) -> Self {
+        Self { uv, outgoing, mode, lobes: Lobes::ALL }
+    }
+
+    /// The same view of some lobes only.
+    pub fn of(self, lobes: Lobes) -> Self {
+        Self { lobes, ..self }
+    }
+
+    /// The same view from the other side of the surface.
+    pub fn from_behind(self) -> Self {
+        Self { outgoing: flip(self.outgoing), ..self }
+    }
+}
+
+/// The mirror image of a local direction on the other side of the surface.
+#[inline]
+pub fn flip(direction: Vec3) -> Vec3 {
+    Vec3::new(direction.x, direction.y, -direction.z)
 }
 
 /// A sampled direction.
@@ -49,17 +85,64 @@ impl MaterialSample {
     pub fn is_specular(&self) -> bool {
         self.pdf == 0.0
     }
+
+    /// The sample as seen from the other side of the surface.
+    pub fn from_behind(self) -> Self {
+        Self { direction: flip(self.direction), ..self }
+    }
 }
 
-/// What a material's lobes are like; decides where photons are stored and where camera paths gather.
+/// A set of kinds of lobes; decides where photons are stored, where camera paths gather and where they go on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Lobes {
-    /// It has lobes with a density: photons are stored here.
-    pub smooth: bool,
-    /// It has perfectly specular lobes.
-    pub specular: bool,
-    /// Light passes through it.
-    pub transmissive: bool,
+pub struct Lobes(u8);
+
+impl Lobes {
+    /// None.
+    pub const NONE: Self = Self(0);
+    /// Lobes so wide that gathering photons resolves them: matte ones, and glossy ones of a roughness of at least
+    /// [`Lobes::WIDE_ROUGHNESS`].
+    pub const WIDE: Self = Self(1);
+    /// Glossy lobes that camera paths rather follow, since few photons fall into them.
+    pub const NARROW: Self = Self(2);
+    /// Perfectly specular lobes.
+    pub const SPECULAR: Self = Self(4);
+    /// Light passes through the surface.
+    pub const TRANSMISSIVE: Self = Self(8);
+    /// Lobes with a density.
+    pub const SMOOTH: Self = Self(1 | 2);
+    /// Lobes that camera paths follow.
+    pub const FOLLOWED: Self = Self(2 | 4);
+    /// All kinds.
+    pub const ALL: Self = Self(15);
+    /// The microfacet roughness α from which on a lobe is wide.
+    pub const WIDE_ROUGHNESS: f32 = 0.3;
+
+    /// The kind of a microfacet lobe of roughness `alpha`.
+    pub fn of_roughness(alpha: f32) -> Self {
+        if alpha >= Self::WIDE_ROUGHNESS { Self::WIDE } else { Self::NARROW }
+    }
+
+    /// Whether some of `other` are in the set.
+    #[inline]
+    pub fn any(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+}
+
+impl std::ops::BitOr for Lobes {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl std::ops::BitAnd for Lobes {
+    type Output = Self;
+
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
 }
 
 /// Reads the parameters of a material plugin.
@@ -77,39 +160,47 @@ macro_rules! materials {
         const MATERIALS: &[(&str, ReadMaterial)] = &[$(($name, |fields| Ok(Material::$kind($kind::read(fields)?)))),+];
 
         impl Material {
-            /// Samples a direction with three numbers in [0, 1); `None` when the path ends here.
+            /// Samples a direction among the lobes in view with three numbers in [0, 1); `None` when the path ends here.
             #[inline]
-            pub fn sample(&self, outgoing: Vec3, mode: TransportMode, u: [f32; 3]) -> Option<MaterialSample> {
-                match self { $(Self::$kind(material) => material.sample(outgoing, mode, u)),+ }
+            pub fn sample(&self, view: &View, u: [f32; 3]) -> Option<MaterialSample> {
+                match self { $(Self::$kind(material) => material.sample(view, u)),+ }
             }
 
-            /// The BSDF without cosine, 1/sr; specular lobes do not count.
+            /// The BSDF without cosine, 1/sr, of the lobes in view; specular lobes do not count. In [`TransportMode::Flux`]
+            /// the roles are exchanged: `incident` is where the photon goes.
             #[inline]
-            pub fn evaluate(&self, outgoing: Vec3, incident: Vec3) -> Rgb {
-                match self { $(Self::$kind(material) => material.evaluate(outgoing, incident)),+ }
+            pub fn evaluate(&self, view: &View, incident: Vec3) -> Rgb {
+                match self { $(Self::$kind(material) => material.evaluate(view, incident)),+ }
             }
 
             /// The density of [`Material::sample`] by solid angle; specular lobes do not count.
             #[inline]
-            pub fn pdf(&self, outgoing: Vec3, incident: Vec3) -> f32 {
-                match self { $(Self::$kind(material) => material.pdf(outgoing, incident)),+ }
+            pub fn pdf(&self, view: &View, incident: Vec3) -> f32 {
+                match self { $(Self::$kind(material) => material.pdf(view, incident)),+ }
             }
 
-            /// What its lobes are like.
+            /// The kinds of lobes that it has anywhere, on any side.
             #[inline]
             pub fn lobes(&self) -> Lobes {
                 match self { $(Self::$kind(material) => material.lobes()),+ }
             }
 
-            /// The perfectly specular directions, each with its full weight, for methods that follow all of them.
-            pub fn specular_lobes(&self, outgoing: Vec3, mode: TransportMode) -> [Option<MaterialSample>; 2] {
-                match self { $(Self::$kind(material) => material.specular_lobes(outgoing, mode)),+ }
+            /// With what probability a camera path goes on by [`Lobes::FOLLOWED`] instead of gathering in [`Lobes::WIDE`]:
+            /// 0 and 1 when there is only one of the two, else about their share of the light, never 0 or 1.
+            #[inline]
+            pub fn followed_share(&self, view: &View) -> f32 {
+                match self { $(Self::$kind(material) => material.followed_share(view)),+ }
             }
 
-            /// The BSDF seen from `outgoing` where it is the same for all incident directions on that side, 1/sr.
+            /// The perfectly specular directions, each with its full weight, for methods that follow all of them.
+            pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
+                match self { $(Self::$kind(material) => material.specular_lobes(view)),+ }
+            }
+
+            /// The BSDF in view where it is the same for all incident directions on that side and none on the other, 1/sr.
             #[inline]
-            pub fn constant_value(&self, outgoing: Vec3) -> Option<Rgb> {
-                match self { $(Self::$kind(material) => material.constant_value(outgoing)),+ }
+            pub fn constant_value(&self, view: &View) -> Option<Rgb> {
+                match self { $(Self::$kind(material) => material.constant_value(view)),+ }
             }
         }
     };

@@ -2,7 +2,7 @@
 //!
 //! Holds one opaque bsdf for both sides, or two: front, then back.
 
-use super::{Lobes, Material, MaterialSample, TransportMode};
+use super::{Lobes, Material, MaterialSample, View, flip};
 use crate::math::{Rgb, Vec3};
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
@@ -13,10 +13,6 @@ use crate::scene::fields::Fields;
 pub struct TwoSided {
     front: Box<Material>,
     back: Box<Material>,
-}
-
-fn flip(direction: Vec3) -> Vec3 {
-    Vec3::new(direction.x, direction.y, -direction.z)
 }
 
 impl TwoSided {
@@ -35,7 +31,7 @@ impl TwoSided {
         };
         let front = super::read(front_node)?;
         let back = nodes[1].map_or_else(|| Ok(front.clone()), |node| super::read(node))?;
-        if front.lobes().transmissive || back.lobes().transmissive {
+        if (front.lobes() | back.lobes()).any(Lobes::TRANSMISSIVE) {
             let problem = "\"twosided\" holds a bsdf that lets light through";
             return Err(SceneError::new(
                 fields.location(),
@@ -46,56 +42,58 @@ impl TwoSided {
         Ok(Self { front: Box::new(front), back: Box::new(back) })
     }
 
+    /// The side that is seen, and the view of it.
+    #[inline]
+    fn side(&self, view: &View) -> (&Material, View) {
+        if view.outgoing.z >= 0.0 { (&self.front, *view) } else { (&self.back, view.from_behind()) }
+    }
+
     /// Samples the side that is seen.
     #[inline]
-    pub fn sample(&self, outgoing: Vec3, mode: TransportMode, u: [f32; 3]) -> Option<MaterialSample> {
-        if outgoing.z >= 0.0 {
-            return self.front.sample(outgoing, mode, u);
-        }
-        let sample = self.back.sample(flip(outgoing), mode, u)?;
-        Some(MaterialSample { direction: flip(sample.direction), ..sample })
+    pub fn sample(&self, view: &View, u: [f32; 3]) -> Option<MaterialSample> {
+        let (material, side) = self.side(view);
+        let sample = material.sample(&side, u)?;
+        Some(if view.outgoing.z >= 0.0 { sample } else { sample.from_behind() })
     }
 
     /// The side that is seen.
     #[inline]
-    pub fn evaluate(&self, outgoing: Vec3, incident: Vec3) -> Rgb {
-        match outgoing.z >= 0.0 {
-            true => self.front.evaluate(outgoing, incident),
-            false => self.back.evaluate(flip(outgoing), flip(incident)),
-        }
+    pub fn evaluate(&self, view: &View, incident: Vec3) -> Rgb {
+        let (material, side) = self.side(view);
+        material.evaluate(&side, if view.outgoing.z >= 0.0 { incident } else { flip(incident) })
     }
 
     /// The side that is seen.
     #[inline]
-    pub fn pdf(&self, outgoing: Vec3, incident: Vec3) -> f32 {
-        match outgoing.z >= 0.0 {
-            true => self.front.pdf(outgoing, incident),
-            false => self.back.pdf(flip(outgoing), flip(incident)),
-        }
+    pub fn pdf(&self, view: &View, incident: Vec3) -> f32 {
+        let (material, side) = self.side(view);
+        material.pdf(&side, if view.outgoing.z >= 0.0 { incident } else { flip(incident) })
     }
 
     /// Those of both sides.
     #[inline]
     pub fn lobes(&self) -> Lobes {
-        let (front, back) = (self.front.lobes(), self.back.lobes());
-        Lobes { smooth: front.smooth || back.smooth, specular: front.specular || back.specular, transmissive: false }
-    }
-
-    /// Those of the side that is seen.
-    pub fn specular_lobes(&self, outgoing: Vec3, mode: TransportMode) -> [Option<MaterialSample>; 2] {
-        if outgoing.z >= 0.0 {
-            return self.front.specular_lobes(outgoing, mode);
-        }
-        let flipped = |sample: MaterialSample| MaterialSample { direction: flip(sample.direction), ..sample };
-        self.back.specular_lobes(flip(outgoing), mode).map(|sample| sample.map(flipped))
+        self.front.lobes() | self.back.lobes()
     }
 
     /// That of the side that is seen.
     #[inline]
-    pub fn constant_value(&self, outgoing: Vec3) -> Option<Rgb> {
-        match outgoing.z >= 0.0 {
-            true => self.front.constant_value(outgoing),
-            false => self.back.constant_value(flip(outgoing)),
-        }
+    pub fn followed_share(&self, view: &View) -> f32 {
+        let (material, side) = self.side(view);
+        material.followed_share(&side)
+    }
+
+    /// Those of the side that is seen.
+    pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
+        let (material, side) = self.side(view);
+        let lobes = material.specular_lobes(&side);
+        if view.outgoing.z >= 0.0 { lobes } else { lobes.map(|sample| sample.map(MaterialSample::from_behind)) }
+    }
+
+    /// That of the side that is seen.
+    #[inline]
+    pub fn constant_value(&self, view: &View) -> Option<Rgb> {
+        let (material, side) = self.side(view);
+        material.constant_value(&side)
     }
 }

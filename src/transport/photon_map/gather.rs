@@ -4,6 +4,7 @@
 //! [`PhotonMap::gather`] sums eight photons at a time without branches; [`PhotonMap::visit`] is its plain twin, for materials
 //! that look at each photon.
 
+use super::photon::SCATTERED;
 use super::{Photon, PhotonMap};
 use crate::math::{Rgb, Vec3};
 
@@ -21,8 +22,20 @@ pub struct GatherQuery {
     pub normal: Vec3,
     /// R², m².
     pub radius_squared: f32,
-    /// Photons with more segments do not count; 255 lets all count.
+    /// Photons with more segments do not count; 127 lets all count.
     pub most_segments: u32,
+    /// Only photons that nothing but specular surfaces scattered count.
+    pub caustics_only: bool,
+    /// Photons on the other side of the surface count too; only [`PhotonMap::visit`] knows this.
+    pub both_sides: bool,
+}
+
+impl GatherQuery {
+    /// What of a photon's top byte is compared with `most_segments`: scattered photons exceed it where they do not count.
+    #[inline]
+    fn segments_mask(&self) -> u32 {
+        if self.caustics_only { 0xff } else { 0xff & !SCATTERED }
+    }
 }
 
 /// What was found.
@@ -93,6 +106,7 @@ impl PhotonMap {
         let [x, y, z] = &self.photons.position;
         let [red, green, blue] = &self.photons.flux;
         let flatness = FLATNESS * query.radius_squared.sqrt();
+        let segments_mask = query.segments_mask();
         let mut index = first;
         while index < last {
             let here = index..index + LANES;
@@ -113,7 +127,7 @@ impl PhotonMap {
                 let counts = (distance_squared < query.radius_squared)
                     & (height.abs() <= flatness)
                     & (cosine > LEAST_NORMAL_COSINE)
-                    & (code >> 24 <= query.most_segments)
+                    & (code >> 24 & segments_mask <= query.most_segments)
                     & (LANE[lane] < left);
                 mask[lane] = if counts { 1.0 } else { 0.0 };
             }
@@ -145,9 +159,9 @@ impl PhotonMap {
 fn counts(photon: &Photon, query: &GatherQuery) -> bool {
     let offset = Vec3::from_array(photon.position) - query.position;
     let byte = |shift: u32| (photon.normal_and_segments >> shift) as u8 as i8 as f32;
-    let normal = Vec3::new(byte(0), byte(8), byte(16));
+    let cosine = Vec3::new(byte(0), byte(8), byte(16)).dot(query.normal);
     offset.length_squared() < query.radius_squared
         && offset.dot(query.normal).abs() <= FLATNESS * query.radius_squared.sqrt()
-        && normal.dot(query.normal) > LEAST_NORMAL_COSINE
-        && photon.normal_and_segments >> 24 <= query.most_segments
+        && if query.both_sides { cosine.abs() } else { cosine } > LEAST_NORMAL_COSINE
+        && photon.normal_and_segments >> 24 & query.segments_mask() <= query.most_segments
 }

@@ -12,16 +12,22 @@ pub struct Photon {
     pub position: [f32; 3],
     /// Octahedral code of the direction it came from.
     pub direction: u32,
-    /// The surface's normal on the side of arrival, three signed bytes of 1/127, and the segment count in the top byte.
+    /// The surface's normal on the side of arrival, three signed bytes of 1/127; in the top byte the segment count, and
+    /// [`SCATTERED`] above it.
     pub normal_and_segments: u32,
     /// Un-normalised flux, W.
     pub flux: [f32; 3],
 }
 
+/// The bit of a photon's top byte that says that a lobe with a density scattered it on its way: it is no caustic.
+pub(super) const SCATTERED: u32 = 0x80;
+/// The largest segment count that a photon keeps; longer paths count as this.
+pub(super) const MOST_SEGMENTS: u32 = 0x7f;
+
 impl Photon {
-    /// Packs a photon. Segment counts above 255 are kept as 255: limits are below that.
+    /// Packs a photon.
     #[inline]
-    pub fn new(position: Vec3, direction: u32, normal: Vec3, flux: Rgb, segments: u32) -> Self {
+    pub fn new(position: Vec3, direction: u32, normal: Vec3, flux: Rgb, segments: u32, scattered: bool) -> Self {
         // Adding and subtracting 1.5·2²³ rounds to the nearest whole number.
         const ROUND: f32 = 12_582_912.0;
         let byte = |value: f32| ((value * 127.0 + ROUND) - ROUND) as i32 as u32 & 0xff;
@@ -29,7 +35,7 @@ impl Photon {
         Self {
             position: position.to_array(),
             direction,
-            normal_and_segments: normal | segments.min(255) << 24,
+            normal_and_segments: normal | (segments.min(MOST_SEGMENTS) | if scattered { SCATTERED } else { 0 }) << 24,
             flux: flux.to_array(),
         }
     }
