@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::bundle::Bundle;
 use super::camera::{self, Camera};
 use super::description::{Node, PluginClass, SceneDescription, Value};
 use super::error::{SceneError, nearest_name};
@@ -14,6 +15,7 @@ use super::geometry::{Geometry, Shape};
 use super::light::area::read_radiance;
 use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
 use super::material::{self, Lobes, Material, TransportMode, View};
+use super::texture::TextureReader;
 use crate::math::{Rgb, Vec2};
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
@@ -46,8 +48,9 @@ pub struct Integrator {
 }
 
 /// What is collected while the tree is read.
-#[derive(Default)]
-struct Builder {
+struct Builder<'a> {
+    bundle: &'a Bundle,
+    textures: TextureReader<'a>,
     shapes: Vec<(Shape, ShapeGeometry)>,
     /// Index of a shape and the radiance of the light on it.
     area_lights: Vec<(usize, Rgb)>,
@@ -62,9 +65,9 @@ impl Scene {
     pub fn prepare(description: &SceneDescription) -> Result<Self, SceneError> {
         let root = &description.root;
         let mut fields = Fields::new(root);
-        let mut builder = Builder::default();
+        let mut builder = Builder::new(&description.bundle);
         for node in fields.children(PluginClass::Shape) {
-            builder.add_shape(node, description)?;
+            builder.add_shape(node)?;
         }
         // Materials that no shape uses are checked all the same.
         for node in fields.children(PluginClass::Bsdf) {
@@ -125,15 +128,27 @@ fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sens
     Err(SceneError::new(&sensor.location, problem, "move it out, or make those surfaces \"twosided\""))
 }
 
-impl Builder {
-    fn add_shape(&mut self, node: &Arc<Node>, description: &SceneDescription) -> Result<(), SceneError> {
+impl<'a> Builder<'a> {
+    fn new(bundle: &'a Bundle) -> Self {
+        Self {
+            bundle,
+            textures: TextureReader::new(bundle),
+            shapes: Vec::new(),
+            area_lights: Vec::new(),
+            materials: Vec::new(),
+            material_of_node: Vec::new(),
+            notices: Vec::new(),
+        }
+    }
+
+    fn add_shape(&mut self, node: &Arc<Node>) -> Result<(), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
             let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).collect();
             let problem = format!("there is no shape \"{}\"", node.plugin);
             return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
         };
         let mut fields = Fields::new(node);
-        let geometry = read(&mut fields, &description.bundle)?;
+        let geometry = read(&mut fields, self.bundle)?;
         let material = match fields.child(PluginClass::Bsdf) {
             Some(node) => self.material(node)?,
             None => self.default_material(),
@@ -167,7 +182,7 @@ impl Builder {
         if let Some((_, index)) = self.material_of_node.iter().find(|(known, _)| *known == address) {
             return Ok(*index);
         }
-        self.materials.push(material::read(node)?);
+        self.materials.push(material::read(node, &mut self.textures)?);
         let index = self.materials.len() as u32 - 1;
         self.material_of_node.push((address, index));
         Ok(index)

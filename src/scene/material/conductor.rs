@@ -7,17 +7,18 @@
 //! | `specular_reflectance` | factor on the reflection | 0 to 1 | 1 |
 
 use super::measured_metals::METALS;
-use super::{Lobes, MaterialSample, View, fresnel, read_share};
+use super::{Lobes, MaterialSample, View, fresnel};
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
+use crate::scene::texture::{Texture, TextureReader};
 
 /// A smooth metal.
 #[derive(Clone, Debug)]
 pub struct Conductor {
     /// Real and imaginary index; `None` reflects everything.
     index: Option<(Rgb, Rgb)>,
-    specular_reflectance: Rgb,
+    specular_reflectance: Texture,
 }
 
 /// Reads `material`, or `eta` and `k`; `None` is the perfect mirror.
@@ -52,9 +53,9 @@ fn named_metal(name: &str, fields: &Fields<'_>) -> Result<Option<(Rgb, Rgb)>, Sc
 
 impl Conductor {
     /// Reads the parameters.
-    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+    pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
         let index = read_index(fields)?;
-        Ok(Self { index, specular_reflectance: read_share(fields, "specular_reflectance", 1.0)? })
+        Ok(Self { index, specular_reflectance: textures.share(fields, "specular_reflectance", 1.0)? })
     }
 
     /// The mirrored direction.
@@ -69,7 +70,12 @@ impl Conductor {
             None => Rgb::ONE,
         };
         let direction = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
-        Some(MaterialSample { direction, weight: reflected * self.specular_reflectance, pdf: 0.0, relative_index: 1.0 })
+        Some(MaterialSample {
+            direction,
+            weight: reflected * self.specular_reflectance.color(view.uv),
+            pdf: 0.0,
+            relative_index: 1.0,
+        })
     }
 
     /// Black: its lobe is specular.

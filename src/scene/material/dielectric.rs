@@ -9,18 +9,19 @@
 //! Reflection is chosen with Fresnel's probability. Refraction scales radiance, but not flux, by the squared index ratio.
 
 use super::refractive_indices::REFRACTIVE_INDICES;
-use super::{Lobes, MaterialSample, TransportMode, View, fresnel, read_share};
+use super::{Lobes, MaterialSample, TransportMode, View, fresnel};
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
+use crate::scene::texture::{Texture, TextureReader};
 
 /// A smooth boundary between two transparent media.
 #[derive(Clone, Debug)]
 pub struct Dielectric {
     /// Index inside over index outside.
     relative_index: f32,
-    specular_reflectance: Rgb,
-    specular_transmittance: Rgb,
+    specular_reflectance: Texture,
+    specular_transmittance: Texture,
 }
 
 /// Reads an index of refraction given as a number or a name.
@@ -46,13 +47,13 @@ pub fn read_index(fields: &mut Fields<'_>, name: &'static str, default: &str) ->
 
 impl Dielectric {
     /// Reads the parameters.
-    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+    pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
         let interior = read_index(fields, "int_ior", "bk7")?;
         let exterior = read_index(fields, "ext_ior", "air")?;
         Ok(Self {
             relative_index: interior / exterior,
-            specular_reflectance: read_share(fields, "specular_reflectance", 1.0)?,
-            specular_transmittance: read_share(fields, "specular_transmittance", 1.0)?,
+            specular_reflectance: textures.share(fields, "specular_reflectance", 1.0)?,
+            specular_transmittance: textures.share(fields, "specular_transmittance", 1.0)?,
         })
     }
 
@@ -64,7 +65,7 @@ impl Dielectric {
         }
         let (boundary, relative_index) = self.boundary(view.outgoing);
         if u[2] < boundary.reflected {
-            Some(self.reflection(view.outgoing))
+            Some(self.reflection(view))
         } else {
             Some(self.refraction(view, boundary.cosine_refracted, relative_index))
         }
@@ -75,9 +76,10 @@ impl Dielectric {
         (fresnel::dielectric(outgoing.z.abs(), relative_index), relative_index)
     }
 
-    fn reflection(&self, outgoing: Vec3) -> MaterialSample {
+    fn reflection(&self, view: &View) -> MaterialSample {
+        let outgoing = view.outgoing;
         let direction = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
-        MaterialSample { direction, weight: self.specular_reflectance, pdf: 0.0, relative_index: 1.0 }
+        MaterialSample { direction, weight: self.specular_reflectance.color(view.uv), pdf: 0.0, relative_index: 1.0 }
     }
 
     fn refraction(&self, view: &View, cosine: f32, relative_index: f32) -> MaterialSample {
@@ -88,7 +90,12 @@ impl Dielectric {
             TransportMode::Radiance => inverse * inverse,
             TransportMode::Flux => 1.0,
         };
-        MaterialSample { direction, weight: self.specular_transmittance * scale, pdf: 0.0, relative_index }
+        MaterialSample {
+            direction,
+            weight: self.specular_transmittance.color(view.uv) * scale,
+            pdf: 0.0,
+            relative_index,
+        }
     }
 
     /// Black: its lobes are specular.
@@ -118,7 +125,7 @@ impl Dielectric {
             (share > 0.0).then_some(MaterialSample { weight: sample.weight * share, ..sample })
         };
         let refraction = self.refraction(view, boundary.cosine_refracted, relative_index);
-        [weighted(self.reflection(view.outgoing), boundary.reflected), weighted(refraction, 1.0 - boundary.reflected)]
+        [weighted(self.reflection(view), boundary.reflected), weighted(refraction, 1.0 - boundary.reflected)]
     }
 
     /// None: nothing is gathered here.

@@ -8,26 +8,27 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{Lobes, MaterialSample, View, read_share};
+use super::{Lobes, MaterialSample, View};
 use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::texture::{Texture, TextureReader};
 
 /// An ideal matte surface.
 #[derive(Clone, Debug)]
 pub struct Diffuse {
-    reflectance: Rgb,
+    reflectance: Texture,
 }
 
 impl Diffuse {
     /// A grey of `reflectance`, 0 to 1.
     pub fn grey(reflectance: f32) -> Self {
-        Self { reflectance: Rgb::splat(reflectance) }
+        Self { reflectance: Texture::grey(reflectance) }
     }
 
     /// Reads the parameters.
-    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
-        Ok(Self { reflectance: read_share(fields, "reflectance", 0.5)? })
+    pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
+        Ok(Self { reflectance: textures.share(fields, "reflectance", 0.5)? })
     }
 
     /// Samples by the cosine: the weight is the reflectance.
@@ -37,7 +38,7 @@ impl Diffuse {
         let pdf = warp::cosine_hemisphere_pdf(direction.z);
         (seen(view) && pdf > 0.0).then_some(MaterialSample {
             direction,
-            weight: self.reflectance,
+            weight: self.reflectance.color(view.uv),
             pdf,
             relative_index: 1.0,
         })
@@ -46,7 +47,7 @@ impl Diffuse {
     /// reflectance/π above the surface.
     #[inline]
     pub fn evaluate(&self, view: &View, incident: Vec3) -> Rgb {
-        if seen(view) && incident.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::ZERO }
+        if seen(view) && incident.z > 0.0 { self.reflectance.color(view.uv) * FRAC_1_PI } else { Rgb::ZERO }
     }
 
     /// cos θ/π above the surface.
@@ -73,7 +74,7 @@ impl Diffuse {
     /// reflectance/π.
     #[inline]
     pub fn constant_value(&self, view: &View) -> Option<Rgb> {
-        Some(if seen(view) { self.reflectance * FRAC_1_PI } else { Rgb::ZERO })
+        Some(if seen(view) { self.reflectance.color(view.uv) * FRAC_1_PI } else { Rgb::ZERO })
     }
 }
 

@@ -16,6 +16,7 @@ use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::Node;
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
+use crate::scene::texture::TextureReader;
 
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
@@ -146,7 +147,7 @@ impl std::ops::BitAnd for Lobes {
 }
 
 /// Reads the parameters of a material plugin.
-type ReadMaterial = fn(&mut Fields<'_>) -> Result<Material, SceneError>;
+type ReadMaterial = fn(&mut Fields<'_>, &mut TextureReader<'_>) -> Result<Material, SceneError>;
 
 macro_rules! materials {
     ($($kind:ident = $name:literal),+ $(,)?) => {
@@ -157,7 +158,7 @@ macro_rules! materials {
         }
 
         /// Material plugins by name.
-        const MATERIALS: &[(&str, ReadMaterial)] = &[$(($name, |fields| Ok(Material::$kind($kind::read(fields)?)))),+];
+        const MATERIALS: &[(&str, ReadMaterial)] = &[$(($name, |fields, textures| Ok(Material::$kind($kind::read(fields, textures)?)))),+];
 
         impl Material {
             /// Samples a direction among the lobes in view with three numbers in [0, 1); `None` when the path ends here.
@@ -214,26 +215,16 @@ materials! {
 }
 
 /// Reads a material node.
-pub fn read(node: &Node) -> Result<Material, SceneError> {
+pub fn read(node: &Node, textures: &mut TextureReader<'_>) -> Result<Material, SceneError> {
     let Some((_, read)) = MATERIALS.iter().find(|(name, _)| *name == node.plugin) else {
         let known: Vec<&str> = MATERIALS.iter().map(|(name, _)| *name).collect();
         let problem = format!("there is no bsdf \"{}\"", node.plugin);
         return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
     };
     let mut fields = Fields::new(node);
-    let material = read(&mut fields)?;
+    let material = read(&mut fields, textures)?;
     fields.finish()?;
     Ok(material)
-}
-
-/// Reads a reflectance-like colour within [0, 1], since more would make energy.
-fn read_share(fields: &mut Fields<'_>, name: &'static str, default: f32) -> Result<Rgb, SceneError> {
-    let Some(rgb) = fields.rgb(name)? else { return Ok(Rgb::splat(default)) };
-    if rgb.iter().any(|channel| *channel > 1.0) {
-        let problem = format!("\"{name}\" is {}, {}, {}: it would reflect more than arrives", rgb[0], rgb[1], rgb[2]);
-        return Err(fields.error(name, problem, "give numbers from 0 to 1"));
-    }
-    Ok(Rgb::new(rgb[0] as f32, rgb[1] as f32, rgb[2] as f32))
 }
 
 impl Material {

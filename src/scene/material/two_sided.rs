@@ -7,6 +7,7 @@ use crate::math::{Rgb, Vec3};
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::texture::TextureReader;
 
 /// Two opaque materials back to back.
 #[derive(Clone, Debug)]
@@ -23,14 +24,14 @@ impl TwoSided {
     }
 
     /// Reads the nested materials.
-    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+    pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
         let nodes = [fields.child(PluginClass::Bsdf), fields.child(PluginClass::Bsdf)];
         let Some(front_node) = nodes[0] else {
             let problem = "\"twosided\" holds no bsdf";
             return Err(SceneError::new(fields.location(), problem, "nest one opaque bsdf, or two"));
         };
-        let front = super::read(front_node)?;
-        let back = nodes[1].map_or_else(|| Ok(front.clone()), |node| super::read(node))?;
+        let front = super::read(front_node, textures)?;
+        let back = nodes[1].map_or_else(|| Ok(front.clone()), |node| super::read(node, textures))?;
         if (front.lobes() | back.lobes()).any(Lobes::TRANSMISSIVE) {
             let problem = "\"twosided\" holds a bsdf that lets light through";
             return Err(SceneError::new(
