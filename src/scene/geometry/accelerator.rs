@@ -6,11 +6,18 @@
 use std::time::Duration;
 
 use glam::Vec3;
+use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
 use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, ray::RayHit};
 
+use super::block::{self, Block, BlockKind};
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, Shear, largest};
+
+/// So few blocks are tested without a tree.
+const FEW_BLOCKS: usize = 3;
+/// What testing one primitive more costs in units of a step in the tree: lanes are cheap.
+const LANE_COST: f32 = 8.0;
 
 /// A hierarchy over primitives that it owns in its own order.
 pub struct Accelerator {
@@ -18,10 +25,20 @@ pub struct Accelerator {
     /// World units to tree units.
     scale: f32,
     primitives: Vec<Primitive>,
+    /// The tree's leaves, in its order.
+    blocks: Vec<Leaf>,
     /// Whether rays need their shear.
     has_triangles: bool,
 }
 
+/// A block and where its primitives stand.
+struct Leaf {
+    block: Block,
+    first: u32,
+    count: u32,
+}
+
+#[derive(Clone, Copy)]
 struct Bounds(Aabb);
 
 impl Boundable for Bounds {
@@ -37,11 +54,29 @@ impl Accelerator {
         let size = boxes.iter().map(|(low, high)| largest(*low).max(largest(*high))).fold(0.0, f32::max);
         let scale = scale_for(size);
         let bounds: Vec<Bounds> = boxes.iter().map(|(low, high)| Bounds(padded(*low * scale, *high * scale))).collect();
-        let tree = build_cwbvh(&bounds, BvhBuildParams::slow_build(), &mut Duration::default());
-        let order = tree.primitive_indices.clone();
+        let groups: Vec<Vec<u32>> = [BlockKind::Triangles, BlockKind::Flat, BlockKind::Single]
+            .into_iter()
+            .flat_map(|kind| groups_of_kind(kind, primitives, &bounds))
+            .collect();
+        let of_group = |group: &Vec<u32>| {
+            let members = group.iter().map(|index| bounds[*index as usize].0);
+            Bounds(members.reduce(|all, one| all.union(&one)).unwrap_or_default())
+        };
+        let group_bounds: Vec<Bounds> = groups.iter().map(of_group).collect();
+        let tree = build_cwbvh(&group_bounds, BvhBuildParams::slow_build(), &mut Duration::default());
+        let order: Vec<u32> =
+            tree.primitive_indices.iter().flat_map(|group| groups[*group as usize].iter().copied()).collect();
         let has_triangles = primitives.iter().any(|primitive| matches!(primitive, Primitive::Triangle(_)));
-        let primitives = order.iter().map(|index| primitives[*index as usize]).collect();
-        (Self { tree, scale, primitives, has_triangles }, order)
+        let primitives: Vec<Primitive> = order.iter().map(|index| primitives[*index as usize]).collect();
+        let mut first = 0;
+        let blocks = tree.primitive_indices.iter().map(|group| {
+            let count = groups[*group as usize].len();
+            let block = Block::new(&primitives[first..first + count]);
+            first += count;
+            Leaf { block, first: (first - count) as u32, count: count as u32 }
+        });
+        let blocks = blocks.collect();
+        (Self { tree, scale, primitives, blocks, has_triangles }, order)
     }
 
     /// The primitives in tree order.
@@ -55,15 +90,20 @@ impl Accelerator {
         let shear = self.shear(ray);
         let mut nearest = PrimitiveHit::at(ray.length);
         let mut found = usize::MAX;
-        self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| {
-            match self.primitives[index].intersect(ray, &shear, nearest.distance) {
-                Some(hit) => {
-                    (nearest, found) = (hit, index);
-                    hit.distance * self.scale
-                }
-                None => f32::INFINITY,
+        let mut test = |leaf: &Leaf| match self.intersect(leaf, ray, &shear, nearest.distance) {
+            Some((index, hit)) => {
+                (nearest, found) = (hit, index);
+                hit.distance * self.scale
             }
-        });
+            None => f32::INFINITY,
+        };
+        if self.blocks.len() <= FEW_BLOCKS {
+            self.blocks.iter().for_each(|leaf| {
+                test(leaf);
+            });
+        } else {
+            self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| test(&self.blocks[index]));
+        }
         (found != usize::MAX).then_some((found, nearest))
     }
 
@@ -71,12 +111,24 @@ impl Accelerator {
     #[inline]
     pub fn is_blocked(&self, ray: &Ray) -> bool {
         let shear = self.shear(ray);
-        !self.tree.ray_traverse_miss(self.tree_ray(ray), |_, index| {
-            match self.primitives[index].intersect(ray, &shear, ray.length) {
-                Some(_) => 0.0,
-                None => f32::INFINITY,
-            }
-        })
+        let blocks = |leaf: &Leaf| self.intersect(leaf, ray, &shear, ray.length).is_some();
+        if self.blocks.len() <= FEW_BLOCKS {
+            return self.blocks.iter().any(blocks);
+        }
+        !self.tree.ray_traverse_miss(
+            self.tree_ray(ray),
+            |_, index| {
+                if blocks(&self.blocks[index]) { 0.0 } else { f32::INFINITY }
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn intersect(&self, leaf: &Leaf, ray: &Ray, shear: &Shear, length: f32) -> Option<(usize, PrimitiveHit)> {
+        let first = leaf.first as usize;
+        let primitives = &self.primitives[first..first + leaf.count as usize];
+        let found = leaf.block.intersect(primitives, ray, shear, length)?;
+        Some((first + found.lane, found.hit))
     }
 
     #[inline]
@@ -103,4 +155,29 @@ fn scale_for(size: f32) -> f32 {
 fn padded(low: Vec3, high: Vec3) -> Aabb {
     let padding = largest(low).max(largest(high)) * (4.0 * f32::EPSILON);
     Aabb { min: (low - padding).into(), max: (high + padding).into() }
+}
+
+/// Neighbours of one kind, at most [`block::LANES`] together, as indices into `primitives`.
+fn groups_of_kind(kind: BlockKind, primitives: &[Primitive], bounds: &[Bounds]) -> Vec<Vec<u32>> {
+    let members: Vec<u32> =
+        (0..primitives.len() as u32).filter(|index| BlockKind::of(&primitives[*index as usize]) == kind).collect();
+    if members.is_empty() || kind == BlockKind::Single {
+        return members.into_iter().map(|index| vec![index]).collect();
+    }
+    if members.len() <= block::LANES {
+        return vec![members];
+    }
+    let boxes: Vec<Bounds> = members.iter().map(|index| bounds[*index as usize]).collect();
+    let parameters = BvhBuildParams {
+        max_prims_per_leaf: block::LANES as u32,
+        collapse_traversal_cost: LANE_COST,
+        ..BvhBuildParams::medium_build()
+    };
+    let tree = build_bvh2(&boxes, parameters, &mut Duration::default());
+    let leaves = tree.nodes.iter().filter(|node| node.is_leaf());
+    let group = |first: u32, count: u32| {
+        let range = first as usize..(first + count) as usize;
+        tree.primitive_indices[range].iter().map(|index| members[*index as usize]).collect()
+    };
+    leaves.map(|node| group(node.first_index, node.prim_count)).collect()
 }

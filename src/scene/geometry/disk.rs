@@ -5,6 +5,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Primitive;
+use super::block::FlatFrame;
 use super::mesh::ShapeGeometry;
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
 use super::rectangle::dual_vectors;
@@ -62,6 +63,11 @@ impl Disk {
     fn point(&self, position: Vec3) -> SurfacePoint {
         let error = position_error(largest(self.center) + largest(self.half[0]) + largest(self.half[1]));
         SurfacePoint { position, normal: self.normal, error }
+    }
+
+    /// What a block of the accelerator keeps of it.
+    pub fn frame(&self) -> FlatFrame {
+        FlatFrame { center: self.center, normal: self.normal, dual: self.dual }
     }
 
     /// Area, m².

@@ -1,6 +1,7 @@
 //! Shapes: one file per kind, one row each in [`primitive`]'s table, all behind one accelerator.
 
 pub mod accelerator;
+pub mod block;
 pub mod cylinder;
 pub mod disk;
 pub mod mesh;

@@ -4,6 +4,8 @@
 //! [`PhotonMap::gather`] sums eight photons at a time without branches; [`PhotonMap::visit`] is its plain twin, for materials
 //! that look at each photon.
 
+use wide::{f32x8, i32x8};
+
 use super::photon::SCATTERED;
 use super::{Photon, PhotonMap};
 use crate::math::{Rgb, Vec3};
@@ -48,13 +50,28 @@ pub struct Gathered {
 }
 
 const LANES: usize = 8;
-type Lanes = [f32; LANES];
-const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
+const LANE: i32x8 = i32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
 
 #[derive(Default)]
 struct LaneSums {
-    flux: [Lanes; 3],
-    photons: Lanes,
+    flux: [f32x8; 3],
+    photons: f32x8,
+}
+
+/// Eight entries of a column, which is padded so that they always exist.
+#[inline(always)]
+fn eight<T: Copy>(column: &[T], index: usize) -> [T; LANES] {
+    *column[index..].first_chunk().expect("columns are padded")
+}
+
+#[inline(always)]
+fn lanes(column: &[f32], index: usize) -> f32x8 {
+    f32x8::new(eight(column, index))
+}
+
+#[inline(always)]
+fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl PhotonMap {
@@ -63,7 +80,8 @@ impl PhotonMap {
     pub fn gather(&self, query: &GatherQuery) -> Gathered {
         let mut sums = LaneSums::default();
         self.for_each_run(query, |first, last| self.sum_run(first, last, query, &mut sums));
-        let total = |lanes: &Lanes| lanes.iter().sum::<f32>();
+        // Lane by lane: a sum in another order would depend on the machine.
+        let total = |lanes: &f32x8| lanes.to_array().iter().sum::<f32>();
         Gathered {
             flux: Rgb::new(total(&sums.flux[0]), total(&sums.flux[1]), total(&sums.flux[2])),
             photons: total(&sums.photons),
@@ -99,48 +117,32 @@ impl PhotonMap {
         }
     }
 
-    // Indexed loops over a constant number of lanes become vector instructions.
-    #[expect(clippy::needless_range_loop)]
     #[inline]
     fn sum_run(&self, first: usize, last: usize, query: &GatherQuery, sums: &mut LaneSums) {
         let [x, y, z] = &self.photons.position;
-        let [red, green, blue] = &self.photons.flux;
+        let center = query.position.to_array().map(f32x8::splat);
+        let normal = query.normal.to_array().map(f32x8::splat);
         let flatness = FLATNESS * query.radius_squared.sqrt();
-        let segments_mask = query.segments_mask();
-        let mut index = first;
-        while index < last {
-            let here = index..index + LANES;
-            let columns = (&x[here.clone()], &y[here.clone()], &z[here.clone()]);
-            let normals = &self.photons.normal_and_segments[here.clone()];
-            let left = (last - index).min(LANES) as i32;
-            let mut mask = [0.0; LANES];
-            for lane in 0..LANES {
-                let dx = columns.0[lane] - query.position.x;
-                let dy = columns.1[lane] - query.position.y;
-                let dz = columns.2[lane] - query.position.z;
-                let distance_squared = dx * dx + dy * dy + dz * dz;
-                let height = dx * query.normal.x + dy * query.normal.y + dz * query.normal.z;
-                let code = normals[lane];
-                let cosine = ((code << 24) as i32 >> 24) as f32 * query.normal.x
-                    + ((code << 16) as i32 >> 24) as f32 * query.normal.y
-                    + ((code << 8) as i32 >> 24) as f32 * query.normal.z;
-                let counts = (distance_squared < query.radius_squared)
-                    & (height.abs() <= flatness)
-                    & (cosine > LEAST_NORMAL_COSINE)
-                    & (code >> 24 & segments_mask <= query.most_segments)
-                    & (LANE[lane] < left);
-                mask[lane] = if counts { 1.0 } else { 0.0 };
+        let segments_mask = query.segments_mask() as i32;
+        let most_segments = query.most_segments as i32;
+        for index in (first..last).step_by(LANES) {
+            let offset = [lanes(x, index) - center[0], lanes(y, index) - center[1], lanes(z, index) - center[2]];
+            let distance_squared = dot(offset, offset);
+            let height = dot(offset, normal);
+            let code = i32x8::new(bytemuck::cast(eight(&self.photons.normal_and_segments, index)));
+            let byte = |shift: i32| f32x8::from_i32x8((code << shift) >> 24);
+            let cosine = dot([byte(24), byte(16), byte(8)], normal);
+            let segments: i32x8 = (code >> 24) & i32x8::splat(segments_mask);
+            let in_run = LANE.simd_lt(i32x8::splat((last - index).min(LANES) as i32));
+            let allowed: i32x8 = in_run & !segments.simd_gt(i32x8::splat(most_segments));
+            let counts = distance_squared.simd_lt(query.radius_squared)
+                & height.abs().simd_le(flatness)
+                & cosine.simd_gt(LEAST_NORMAL_COSINE)
+                & bytemuck::cast::<i32x8, f32x8>(allowed);
+            sums.photons += counts & f32x8::ONE;
+            for (sum, flux) in sums.flux.iter_mut().zip(&self.photons.flux) {
+                *sum += counts & lanes(flux, index);
             }
-            // One loop per sum: together they would be shuffled between registers.
-            for lane in 0..LANES {
-                sums.photons[lane] += mask[lane];
-            }
-            for (sum, flux) in sums.flux.iter_mut().zip([&red[here.clone()], &green[here.clone()], &blue[here]]) {
-                for lane in 0..LANES {
-                    sum[lane] += mask[lane] * flux[lane];
-                }
-            }
-            index += LANES;
         }
     }
 
