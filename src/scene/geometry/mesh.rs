@@ -1,9 +1,9 @@
-//! Shapes made of triangles: `cube`, `ply`, `obj`.
+//! Shapes made of triangles: `cube`, `ply`, `obj`, `serialized`.
 //!
-//! `cube` is [-1, 1]³ under any affine `to_world`, outside outwards. `ply` and `obj` read `filename` (relative to the scene);
+//! `cube` is [-1, 1]³ under any affine `to_world`, outside outwards. The others read `filename` (relative to the scene);
 //! `face_normals` (boolean, false) shades every triangle flat; otherwise the
 //! file's normals count, or smooth ones are made as in Mitsuba; `flip_normals` (boolean, false); `flip_tex_coords` (boolean,
-//! true for `obj`, else false) turns v into 1 - v.
+//! true for `obj`, else false) turns v into 1 - v. `serialized` takes mesh `shape_index` (integer, 0) of its file.
 
 use glam::{DVec3, Vec2, Vec3};
 
@@ -11,7 +11,7 @@ use super::Primitive;
 use super::transform::{ToWorld, to_single};
 use super::triangle::Triangle;
 use super::triangle_mesh::TriangleMesh;
-use super::{obj, ply};
+use super::{obj, ply, serialized};
 use crate::scene::bundle::Bundle;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -45,8 +45,7 @@ pub fn read_cube(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
         let sign = |bit: usize| if index >> bit & 1 == 1 { 1.0 } else { -1.0 };
         *corner = to_single(to_world.point(DVec3::new(sign(0), sign(1), sign(2))), fields)?;
     }
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
-    let mirrored = axes[0].cross(axes[1]).dot(axes[2]) < 0.0;
+    let mirrored = to_world.handedness() < 0.0;
     let mut shape = ShapeGeometry::default();
     for face in CUBE_FACES {
         for triangle in [[0, 1, 2], [0, 2, 3]] {
@@ -78,6 +77,15 @@ pub fn read_obj(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometr
     from_mesh(obj::read(&bytes, &location)?, fields, true)
 }
 
+/// Reads a `serialized` shape.
+pub fn read_serialized(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
+    let (bytes, location) = mesh_file(fields, bundle)?;
+    let index = fields.integer("shape_index")?.unwrap_or(0);
+    let index = usize::try_from(index)
+        .map_err(|_| fields.error("shape_index", format!("\"shape_index\" is {index}"), "meshes are counted from 0"))?;
+    from_mesh(serialized::read(&bytes, index, &location)?, fields, false)
+}
+
 fn mesh_file(
     fields: &mut Fields<'_>,
     bundle: &Bundle,
@@ -98,7 +106,7 @@ fn from_mesh(
     flip_by_default: bool,
 ) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
-    let face_normals = fields.boolean("face_normals")?.unwrap_or(false);
+    let face_normals = fields.boolean("face_normals")?.unwrap_or(mesh.face_normals);
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
     if fields.boolean("flip_tex_coords")?.unwrap_or(flip_by_default) {
         mesh.texture_coordinates.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
@@ -108,18 +116,23 @@ fn from_mesh(
         .iter()
         .map(|point| to_single(to_world.point(Vec3::from_array(*point).as_dvec3()), fields))
         .collect::<Result<Vec<Vec3>, SceneError>>()?;
-    let sign = if flip { -1.0 } else { 1.0 };
+    // A mirror image keeps its outside: its triangles turn the other way.
+    let reversed = flip != (to_world.handedness() < 0.0);
+    let sign = |turned: bool| if turned { -1.0 } else { 1.0 };
     let normals: Vec<Vec3> = match (face_normals, mesh.normals.is_empty()) {
         (true, _) => Vec::new(),
-        (false, true) => smooth_normals(&mesh.triangles, &points).into_iter().map(|normal| normal * sign).collect(),
+        (false, true) => {
+            let normals = smooth_normals(&mesh.triangles, &points);
+            normals.into_iter().map(|normal| normal * sign(reversed)).collect()
+        }
         (false, false) => mesh
             .normals
             .iter()
-            .map(|normal| to_world.normal(Vec3::from_array(*normal).as_dvec3()).as_vec3() * sign)
+            .map(|normal| to_world.normal(Vec3::from_array(*normal).as_dvec3()).as_vec3() * sign(flip))
             .collect(),
     };
     let vertices = Vertices { points, normals, coordinates: mesh.texture_coordinates };
-    let shape = triangles_of(&mesh.triangles, &vertices, flip);
+    let shape = triangles_of(&mesh.triangles, &vertices, reversed);
     if shape.primitives.is_empty() {
         let problem = match mesh.triangles.len() {
             1 => "the mesh's only triangle has no area".to_owned(),
@@ -159,7 +172,7 @@ struct Vertices {
     coordinates: Vec<[f32; 2]>,
 }
 
-fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, flip: bool) -> ShapeGeometry {
+fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, reversed: bool) -> ShapeGeometry {
     let Vertices { points, normals, coordinates } = vertices;
     let mut shape = ShapeGeometry::default();
     shape.primitives.reserve_exact(triangles.len());
@@ -168,7 +181,7 @@ fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, flip: bool) -> Shap
     for indices in triangles {
         let [a, b, c] = indices.map(|index| index as usize);
         // As in Mitsuba, where barycentric coordinates stand in for texture coordinates.
-        let order = if flip { [c, b, a] } else { [a, b, c] };
+        let order = if reversed { [c, b, a] } else { [a, b, c] };
         let triangle = Triangle { vertices: order.map(|index| points[index]) };
         if triangle.area() == 0.0 {
             shape.degenerate += 1;

@@ -10,6 +10,7 @@ pub mod ply;
 pub mod primitive;
 pub mod ray;
 pub mod rectangle;
+pub mod serialized;
 pub mod sphere;
 pub mod surface;
 pub mod transform;

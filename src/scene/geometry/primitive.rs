@@ -26,6 +26,7 @@ pub const SHAPES: &[(&str, ReadShape)] = &[
     ("cylinder", |fields, _| cylinder::read(fields)),
     ("ply", mesh::read_ply),
     ("obj", mesh::read_obj),
+    ("serialized", mesh::read_serialized),
 ];
 
 macro_rules! primitives {
