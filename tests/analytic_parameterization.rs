@@ -1,16 +1,15 @@
 //! Texture coordinates and their partial derivatives: closed forms on every shape in Mitsuba's conventions, derivatives
 //! against finite differences, and frames along ∂p/∂u.
 
+#[path = "support/shape_text.rs"]
+mod shape_text;
+
 use std::f32::consts::{PI, TAU};
-use std::sync::Arc;
 
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Vec2, Vec3, warp};
-use photonfarm::scene::bundle::Bundle;
-use photonfarm::scene::fields::Fields;
-use photonfarm::scene::geometry::primitive::SHAPES;
 use photonfarm::scene::geometry::{Geometry, Interaction, Ray, Shape};
-use photonfarm::scene::import::load_bytes;
+use shape_text::read_shapes;
 
 fn uniform(family: u32, index: u32) -> [f32; 4] {
     PathRandom::new(5, Stream::Camera, family, index).block(0)
@@ -18,15 +17,8 @@ fn uniform(family: u32, index: u32) -> [f32; 4] {
 
 /// The geometry of one shape plugin whose material looks at texture coordinates, or does not.
 fn geometry(shape: &str, files: &[(&str, &[u8])], needs_uv: bool) -> Geometry {
-    let description = load_bytes("test.xml", format!("<scene version='3.0.0'>{shape}</scene>").as_bytes(), &[]);
-    let description = description.expect("the text is good");
-    let files = files.iter().map(|(name, bytes)| ((*name).to_owned(), Arc::from(*bytes)));
-    let bundle = Bundle::Archive(Arc::new(files.collect()));
-    let mut root = Fields::new(&description.root);
-    let node = root.child(photonfarm::scene::description::PluginClass::Shape).expect("there is a shape");
-    let (_, read) = SHAPES.iter().find(|(name, _)| *name == node.plugin).expect("the plugin is known");
-    let geometry = read(&mut Fields::new(node), &bundle).expect("the shape is good");
-    Geometry::build(vec![(Shape { needs_uv, ..Shape::new(0) }, geometry)]).0
+    let shapes = read_shapes(shape, files).expect("the shape is good").into_iter();
+    Geometry::build(shapes.map(|geometry| (Shape { needs_uv, ..Shape::new(0) }, geometry)).collect()).0
 }
 
 /// Hits of random rays through the ball of radius 2 round `middle`.

@@ -29,6 +29,7 @@ use crate::math::random::{PathRandom, Stream, dimension};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::ray::{largest, position_error};
+use crate::scene::geometry::surface::NO_INSTANCE;
 use crate::scene::geometry::{Interaction, Shape};
 use crate::scene::material::TransportMode;
 use crate::transport::Counters;
@@ -133,6 +134,7 @@ impl HitPoint {
             distance: 0.0,
             shape: Shape::new(material),
             primitive: 0,
+            instance: NO_INSTANCE,
             error,
         };
         GatherPoint { hit, throughput: self.throughput, segments: self.segments(), path_length: 0.0 }

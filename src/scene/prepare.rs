@@ -1,5 +1,7 @@
 //! Description to prepared scene.
 
+mod instancing;
+
 use std::sync::Arc;
 
 use super::camera::{self, Camera};
@@ -14,6 +16,7 @@ use super::light::area::read_radiance;
 use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
 use super::material::{self, Lobes, Material, TransportMode};
 use crate::math::{Rgb, Vec2};
+use instancing::Instancing;
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
 pub struct Scene {
@@ -53,6 +56,7 @@ struct Builder {
     materials: Vec<Material>,
     /// Materials by the address of their node, so that shared nodes become one material.
     material_of_node: Vec<(*const Node, u32)>,
+    instancing: Instancing,
     notices: Vec<String>,
 }
 
@@ -77,11 +81,12 @@ impl Scene {
             fields.child(PluginClass::Integrator).map(|node| read_integrator(node.as_ref())).transpose()?;
         let emitters = fields.children(PluginClass::Emitter);
         fields.finish()?;
-        if builder.shapes.is_empty() {
+        if builder.shapes.is_empty() && builder.instancing.is_empty() {
             return Err(SceneError::new(&root.location, "the scene has no shapes", "add at least one <shape>"));
         }
-        let Builder { shapes, area_lights, materials, notices, .. } = builder;
-        let (mut geometry, members) = Geometry::build(shapes);
+        let Builder { shapes, area_lights, materials, instancing, notices, .. } = builder;
+        let (geometry, members) = Geometry::build(shapes);
+        let mut geometry = instancing.add_to(geometry);
         let lights = light_table(&mut geometry, &members, &area_lights, &emitters, root)?;
         check_view(&camera, &geometry, &materials, sensor)?;
         Ok(Self { width: film.width, height: film.height, camera, geometry, materials, lights, integrator, notices })
@@ -129,8 +134,25 @@ fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sens
 
 impl Builder {
     fn add_shape(&mut self, node: &Arc<Node>, description: &SceneDescription) -> Result<(), SceneError> {
+        if instancing::PLUGINS.contains(&node.plugin.as_str()) {
+            return self.add_instancing(node, description);
+        }
+        let (shape, geometry, radiance) = self.read_shape(node, description)?;
+        if let Some(radiance) = radiance.filter(|radiance| *radiance != Rgb::ZERO) {
+            self.area_lights.push((self.shapes.len(), radiance));
+        }
+        self.shapes.push((shape, geometry));
+        Ok(())
+    }
+
+    /// A shape that is made of primitives, and the radiance of the light on it.
+    fn read_shape(
+        &mut self,
+        node: &Node,
+        description: &SceneDescription,
+    ) -> Result<(Shape, ShapeGeometry, Option<Rgb>), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
-            let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).collect();
+            let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).collect();
             let problem = format!("there is no shape \"{}\"", node.plugin);
             return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
         };
@@ -143,11 +165,7 @@ impl Builder {
         let emitter = fields.child(PluginClass::Emitter).map(|node| read_area_light(node.as_ref())).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
-        if let Some(radiance) = emitter.filter(|radiance| *radiance != Rgb::ZERO) {
-            self.area_lights.push((self.shapes.len(), radiance));
-        }
-        self.shapes.push((Shape::new(material), geometry));
-        Ok(())
+        Ok((Shape::new(material), geometry, emitter))
     }
 
     /// A shape must have area, in numbers that single precision can hold.

@@ -3,6 +3,7 @@
 pub mod accelerator;
 pub mod cylinder;
 pub mod disk;
+pub mod instance;
 pub mod mesh;
 pub mod obj;
 pub mod parameterization;
@@ -17,6 +18,7 @@ pub mod transform;
 pub mod triangle;
 pub mod triangle_mesh;
 
+pub use instance::Instance;
 pub use primitive::Primitive;
 pub use ray::Ray;
 pub use surface::{Geometry, Interaction, Shape};

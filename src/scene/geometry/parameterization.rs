@@ -13,7 +13,7 @@
 use glam::{Vec2, Vec3};
 
 use super::ray::SurfacePoint;
-use super::surface::{Geometry, Interaction};
+use super::surface::{Geometry, Interaction, NO_INSTANCE};
 use crate::math::{Frame, warp};
 
 /// Marks a primitive without texture coordinates of its own.
@@ -55,7 +55,10 @@ impl Geometry {
     ///
     /// Means something where `hit.shape.needs_uv` is set; texture coordinates of other meshes are not kept.
     pub fn partials(&self, hit: &Interaction) -> [Vec3; 2] {
-        self.partials_at(hit.primitive, hit.position)
+        match &self.instances {
+            Some(instances) if hit.instance != NO_INSTANCE => instances.partials(hit),
+            _ => self.partials_at(hit.primitive, hit.position),
+        }
     }
 
     /// A point uniform by area on the primitive at a tree index, with its texture coordinates.
