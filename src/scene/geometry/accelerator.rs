@@ -12,11 +12,14 @@ use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, ray::RayHit};
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, Shear, largest};
 
-/// A hierarchy over boxes, whatever is in them.
-pub struct BoxTree {
+/// A hierarchy over primitives that it owns in its own order.
+pub struct Accelerator {
     tree: CwBvh,
     /// World units to tree units.
     scale: f32,
+    primitives: Vec<Primitive>,
+    /// Whether rays need their shear.
+    has_triangles: bool,
 }
 
 struct Bounds(Aabb);
@@ -27,76 +30,18 @@ impl Boundable for Bounds {
     }
 }
 
-impl BoxTree {
-    /// Builds over boxes, each of a smallest and a largest corner; also gives the tree's order as indices into them.
-    pub fn build(boxes: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> (Self, Vec<u32>) {
-        let size = boxes.clone().map(|(low, high)| largest(low).max(largest(high))).fold(0.0, f32::max);
-        let scale = scale_for(size);
-        let bounds: Vec<Bounds> = boxes.map(|(low, high)| Bounds(padded(low * scale, high * scale))).collect();
-        if bounds.is_empty() {
-            return (Self { tree: CwBvh::default(), scale }, Vec::new());
-        }
-        let mut tree = build_cwbvh(&bounds, parameters(bounds.len()), &mut Duration::default());
-        let order = std::mem::take(&mut tree.primitive_indices);
-        tree.nodes.shrink_to_fit();
-        (Self { tree, scale }, order)
-    }
-
-    /// Shows `visit` the boxes along `ray`, by their place in the tree's order. It gives the distance of a hit nearer than
-    /// all before, and from then on boxes farther away are left out.
-    #[inline]
-    pub fn visit_nearest(&self, ray: &Ray, mut visit: impl FnMut(usize) -> Option<f32>) {
-        self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| match visit(index) {
-            Some(distance) => distance * self.scale,
-            None => f32::INFINITY,
-        });
-    }
-
-    /// Shows `visit` the boxes along `ray` until it says yes; whether it did.
-    #[inline]
-    pub fn visit_any(&self, ray: &Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
-        let mut found = false;
-        self.tree.ray_traverse_miss(self.tree_ray(ray), |_, index| {
-            found = visit(index);
-            if found { 0.0 } else { f32::INFINITY }
-        });
-        found
-    }
-
-    #[inline]
-    fn tree_ray(&self, ray: &Ray) -> obvhs::ray::Ray {
-        let length = ray.length * self.scale;
-        // obvhs misses everything along directions with a component of -0.0; adding zero makes it +0.0.
-        let direction = ray.direction + Vec3::ZERO;
-        obvhs::ray::Ray::new((ray.origin * self.scale).into(), direction.into(), 0.0, length)
-    }
-}
-
-/// How much work goes into a tree over `count` boxes. On a bumpy ball of 10⁶ triangles the slow one takes 4.9 s and the medium
-/// one 3.3 s, and rays are as fast in either; below 10⁵ the slow one takes a tenth of a second or two, and finds the
-/// better trees where triangles are of uneven size.
-fn parameters(count: usize) -> BvhBuildParams {
-    match count {
-        0..100_000 => BvhBuildParams::slow_build(),
-        _ => BvhBuildParams::medium_build(),
-    }
-}
-
-/// A hierarchy over primitives that it owns in its own order.
-pub struct Accelerator {
-    tree: BoxTree,
-    primitives: Vec<Primitive>,
-    /// Whether rays need their shear.
-    has_triangles: bool,
-}
-
 impl Accelerator {
     /// Builds over `primitives`; also gives the new order as indices into them.
-    pub fn build(primitives: Vec<Primitive>) -> (Self, Vec<u32>) {
-        let (tree, order) = BoxTree::build(primitives.iter().map(Primitive::bounds));
+    pub fn build(primitives: &[Primitive]) -> (Self, Vec<u32>) {
+        let boxes: Vec<(Vec3, Vec3)> = primitives.iter().map(Primitive::bounds).collect();
+        let size = boxes.iter().map(|(low, high)| largest(*low).max(largest(*high))).fold(0.0, f32::max);
+        let scale = scale_for(size);
+        let bounds: Vec<Bounds> = boxes.iter().map(|(low, high)| Bounds(padded(*low * scale, *high * scale))).collect();
+        let tree = build_tree(&bounds);
+        let order = tree.primitive_indices.clone();
         let has_triangles = primitives.iter().any(|primitive| matches!(primitive, Primitive::Triangle(_)));
         let primitives = order.iter().map(|index| primitives[*index as usize]).collect();
-        (Self { tree, primitives, has_triangles }, order)
+        (Self { tree, scale, primitives, has_triangles }, order)
     }
 
     /// The primitives in tree order.
@@ -110,10 +55,14 @@ impl Accelerator {
         let shear = self.shear(ray);
         let mut nearest = PrimitiveHit::at(ray.length);
         let mut found = usize::MAX;
-        self.tree.visit_nearest(ray, |index| {
-            let hit = self.primitives[index].intersect(ray, &shear, nearest.distance)?;
-            (nearest, found) = (hit, index);
-            Some(hit.distance)
+        self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| {
+            match self.primitives[index].intersect(ray, &shear, nearest.distance) {
+                Some(hit) => {
+                    (nearest, found) = (hit, index);
+                    hit.distance * self.scale
+                }
+                None => f32::INFINITY,
+            }
         });
         (found != usize::MAX).then_some((found, nearest))
     }
@@ -122,13 +71,79 @@ impl Accelerator {
     #[inline]
     pub fn is_blocked(&self, ray: &Ray) -> bool {
         let shear = self.shear(ray);
-        self.tree.visit_any(ray, |index| self.primitives[index].intersect(ray, &shear, ray.length).is_some())
+        !self.tree.ray_traverse_miss(self.tree_ray(ray), |_, index| {
+            match self.primitives[index].intersect(ray, &shear, ray.length) {
+                Some(_) => 0.0,
+                None => f32::INFINITY,
+            }
+        })
     }
 
     #[inline]
     fn shear(&self, ray: &Ray) -> Shear {
         if self.has_triangles { Shear::new(ray.direction) } else { Shear::UNUSED }
     }
+
+    #[inline]
+    fn tree_ray(&self, ray: &Ray) -> obvhs::ray::Ray {
+        tree_ray(ray, self.scale)
+    }
+}
+
+/// The tree over boxes, which may be none. On a bumpy ball of 10⁶ triangles the slow way takes 4.9 s and the medium one 3.3 s, and
+/// rays are as fast in either tree; below 10⁵ that is a matter of tenths of a second.
+fn build_tree(bounds: &[Bounds]) -> CwBvh {
+    let parameters = match bounds.len() {
+        0 => return CwBvh::default(),
+        1..100_000 => BvhBuildParams::slow_build(),
+        _ => BvhBuildParams::medium_build(),
+    };
+    build_cwbvh(bounds, parameters, &mut Duration::default())
+}
+
+/// A hierarchy over boxes, whatever is in them.
+pub struct BoxTree {
+    tree: CwBvh,
+    /// World units to tree units.
+    scale: f32,
+}
+
+impl BoxTree {
+    /// Builds over boxes, each of a smallest and a largest corner; also gives the tree's order as indices into them.
+    pub fn build(boxes: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> (Self, Vec<u32>) {
+        let size = boxes.clone().map(|(low, high)| largest(low).max(largest(high))).fold(0.0, f32::max);
+        let scale = scale_for(size);
+        let bounds: Vec<Bounds> = boxes.map(|(low, high)| Bounds(padded(low * scale, high * scale))).collect();
+        let mut tree = build_tree(&bounds);
+        let order = std::mem::take(&mut tree.primitive_indices);
+        tree.nodes.shrink_to_fit();
+        (Self { tree, scale }, order)
+    }
+
+    /// Shows `visit` the boxes along `ray`, by their place in the tree's order. It gives the distance of a hit nearer than
+    /// all before, and from then on boxes farther away are left out.
+    #[inline]
+    pub fn visit_nearest(&self, ray: &Ray, mut visit: impl FnMut(usize) -> Option<f32>) {
+        self.tree.ray_traverse(tree_ray(ray, self.scale), &mut RayHit::none(), |_, index| match visit(index) {
+            Some(distance) => distance * self.scale,
+            None => f32::INFINITY,
+        });
+    }
+
+    /// Shows `visit` the boxes along `ray` until it says yes; whether it did.
+    #[inline]
+    pub fn visit_any(&self, ray: &Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
+        let answer = |yes| if yes { 0.0 } else { f32::INFINITY };
+        !self.tree.ray_traverse_miss(tree_ray(ray, self.scale), |_, index| answer(visit(index)))
+    }
+}
+
+#[inline]
+fn tree_ray(ray: &Ray, scale: f32) -> obvhs::ray::Ray {
+    let length = ray.length * scale;
+    // obvhs misses everything along directions with a component of -0.0; adding zero makes it +0.0.
+    let direction = ray.direction + Vec3::ZERO;
+    obvhs::ray::Ray::new((ray.origin * scale).into(), direction.into(), 0.0, length)
 }
 
 /// The power of two that brings coordinates of `size` to about 4096.

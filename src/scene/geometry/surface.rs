@@ -116,7 +116,8 @@ impl Geometry {
         }
         let boxes = primitives.iter().map(Primitive::bounds);
         let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
-        let (accelerator, order) = Accelerator::build(primitives);
+        let (accelerator, order) = Accelerator::build(&primitives);
+        drop(primitives);
         coordinates.reorder(&order);
         let info: Vec<PrimitiveInfo> = order.iter().map(|index| info[*index as usize]).collect();
         let mut members = vec![Vec::new(); kept_shapes.len()];
