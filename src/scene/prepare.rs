@@ -4,6 +4,7 @@ mod instancing;
 
 use std::sync::Arc;
 
+use super::bundle::Bundle;
 use super::camera::{self, Camera};
 use super::description::{Node, PluginClass, SceneDescription, Value};
 use super::error::{SceneError, nearest_name};
@@ -48,8 +49,8 @@ pub struct Integrator {
 }
 
 /// What is collected while the tree is read.
-#[derive(Default)]
-struct Builder {
+struct Builder<'a> {
+    bundle: &'a Bundle,
     shapes: Vec<(Shape, ShapeGeometry)>,
     /// Index of a shape and the radiance of the light on it.
     area_lights: Vec<(usize, Rgb)>,
@@ -65,9 +66,9 @@ impl Scene {
     pub fn prepare(description: &SceneDescription) -> Result<Self, SceneError> {
         let root = &description.root;
         let mut fields = Fields::new(root);
-        let mut builder = Builder::default();
+        let mut builder = Builder::new(&description.bundle);
         for node in fields.children(PluginClass::Shape) {
-            builder.add_shape(node, description)?;
+            builder.add_shape(node)?;
         }
         // Materials that no shape uses are checked all the same.
         for node in fields.children(PluginClass::Bsdf) {
@@ -132,12 +133,24 @@ fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sens
     Err(SceneError::new(&sensor.location, problem, "move it out, or make those surfaces \"twosided\""))
 }
 
-impl Builder {
-    fn add_shape(&mut self, node: &Arc<Node>, description: &SceneDescription) -> Result<(), SceneError> {
-        if instancing::PLUGINS.contains(&node.plugin.as_str()) {
-            return self.add_instancing(node, description);
+impl<'a> Builder<'a> {
+    fn new(bundle: &'a Bundle) -> Self {
+        Self {
+            bundle,
+            shapes: Vec::new(),
+            area_lights: Vec::new(),
+            materials: Vec::new(),
+            material_of_node: Vec::new(),
+            instancing: Instancing::default(),
+            notices: Vec::new(),
         }
-        let (shape, geometry, radiance) = self.read_shape(node, description)?;
+    }
+
+    fn add_shape(&mut self, node: &Arc<Node>) -> Result<(), SceneError> {
+        if instancing::PLUGINS.contains(&node.plugin.as_str()) {
+            return self.add_instancing(node);
+        }
+        let (shape, geometry, radiance) = self.read_shape(node)?;
         if let Some(radiance) = radiance.filter(|radiance| *radiance != Rgb::ZERO) {
             self.area_lights.push((self.shapes.len(), radiance));
         }
@@ -146,18 +159,14 @@ impl Builder {
     }
 
     /// A shape that is made of primitives, and the radiance of the light on it.
-    fn read_shape(
-        &mut self,
-        node: &Node,
-        description: &SceneDescription,
-    ) -> Result<(Shape, ShapeGeometry, Option<Rgb>), SceneError> {
+    fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Rgb>), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
             let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).collect();
             let problem = format!("there is no shape \"{}\"", node.plugin);
             return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
         };
         let mut fields = Fields::new(node);
-        let geometry = read(&mut fields, &description.bundle)?;
+        let geometry = read(&mut fields, self.bundle)?;
         let material = match fields.child(PluginClass::Bsdf) {
             Some(node) => self.material(node)?,
             None => self.default_material(),

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Builder, Fields, Geometry, Node, PluginClass, SceneDescription, SceneError};
+use super::{Builder, Fields, Geometry, Node, PluginClass, SceneError};
 use crate::scene::geometry::Instance;
 
 /// The plugins that are read here, not by the table of shapes.
@@ -33,20 +33,16 @@ impl Instancing {
     }
 }
 
-impl Builder {
+impl Builder<'_> {
     /// Reads one of [`PLUGINS`].
-    pub(super) fn add_instancing(
-        &mut self,
-        node: &Arc<Node>,
-        description: &SceneDescription,
-    ) -> Result<(), SceneError> {
+    pub(super) fn add_instancing(&mut self, node: &Arc<Node>) -> Result<(), SceneError> {
         match node.plugin.as_str() {
-            "shapegroup" => self.group(node, description).map(drop),
-            _ => self.instance(node, description),
+            "shapegroup" => self.group(node).map(drop),
+            _ => self.instance(node),
         }
     }
 
-    fn group(&mut self, node: &Arc<Node>, description: &SceneDescription) -> Result<u32, SceneError> {
+    fn group(&mut self, node: &Arc<Node>) -> Result<u32, SceneError> {
         let address = Arc::as_ptr(node);
         if let Some(index) = self.instancing.group_of_node.get(&address) {
             return Ok(*index);
@@ -55,7 +51,7 @@ impl Builder {
         let mut shapes = Vec::new();
         for child in fields.children(PluginClass::Shape) {
             check_member(child)?;
-            let (shape, geometry, _) = self.read_shape(child, description)?;
+            let (shape, geometry, _) = self.read_shape(child)?;
             shapes.push((shape, geometry));
         }
         fields.finish()?;
@@ -68,7 +64,7 @@ impl Builder {
         Ok(index)
     }
 
-    fn instance(&mut self, node: &Arc<Node>, description: &SceneDescription) -> Result<(), SceneError> {
+    fn instance(&mut self, node: &Arc<Node>) -> Result<(), SceneError> {
         const REMEDY: &str = "nest <ref id=\"…\"/> of a shapegroup";
         let mut fields = Fields::new(node);
         let Some(shape) = fields.child(PluginClass::Shape) else {
@@ -78,7 +74,7 @@ impl Builder {
             let problem = format!("the instance refers to a \"{}\", not to a shapegroup", shape.plugin);
             return Err(SceneError::new(&node.location, problem, REMEDY));
         }
-        let group = self.group(shape, description)?;
+        let group = self.group(shape)?;
         self.instancing.instances.push(Instance::read(&mut fields, group)?);
         fields.finish()
     }
