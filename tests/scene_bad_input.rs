@@ -87,6 +87,7 @@ fn meshes_that_cannot_be() {
         ("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n"),
         ("range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n"),
         ("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
+        ("flats.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n"),
         ("empty.obj", "v 0 0 0\n"),
         (
             "range.ply",
@@ -109,6 +110,47 @@ fn meshes_that_cannot_be() {
     cases.push(("no file name", "$<shape type='obj'/>"));
     let files: Vec<(&str, String)> = files.iter().map(|(name, text)| (*name, (*text).to_owned())).collect();
     insta::assert_snapshot!(report(&cases, &files));
+}
+
+#[test]
+fn instances_that_cannot_be() {
+    let group = |shapes: &str| format!("$<shape type='shapegroup' id='g'>{shapes}</shape>");
+    let place = "<shape type='instance'><ref id='g'/></shape>";
+    let nested = "<shape type='shapegroup' id='g'><shape type='cube'/></shape>";
+    let glow = "<shape type='cube'><emitter type='area'/></shape>";
+    let flat = "<transform name='to_world'><scale z='0'/></transform>";
+    let tiny = "<transform name='to_world'><scale value='1e-39'/></transform>";
+    let cases = [
+        ("group in a group", format!("$<shape type='shapegroup'>{nested}</shape>")),
+        ("instance in a group", format!("$<shape type='shapegroup'>{nested}{place}</shape>")),
+        (
+            "instance alone in a group",
+            format!("{}<shape type='shapegroup'>{place}</shape>", group("<shape type='cube'/>")),
+        ),
+        ("light in a group", group(glow)),
+        ("empty group", group("")),
+        ("place of a group", group("<transform name='to_world'/><shape type='cube'/>")),
+        ("instance of nothing", "$<shape type='instance'/>".to_owned()),
+        ("instance of a shape", "$<shape type='cube' id='g'/><shape type='instance'><ref id='g'/></shape>".to_owned()),
+        (
+            "instance with a material",
+            format!(
+                "{}<shape type='instance'><ref id='g'/><bsdf type='diffuse'/></shape>",
+                group("<shape type='cube'/>")
+            ),
+        ),
+        (
+            "flat instance",
+            format!("{}<shape type='instance'><ref id='g'/>{flat}</shape>", group("<shape type='cube'/>")),
+        ),
+        (
+            "tiny instance",
+            format!("{}<shape type='instance'><ref id='g'/>{tiny}</shape>", group("<shape type='cube'/>")),
+        ),
+        ("group that stands nowhere", format!("{SENSOR}{LIGHT}{nested}")),
+    ];
+    let cases: Vec<(&str, &str)> = cases.iter().map(|(what, body)| (*what, body.as_str())).collect();
+    insta::assert_snapshot!(report(&cases, &[]));
 }
 
 #[test]

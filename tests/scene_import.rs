@@ -344,6 +344,7 @@ fn ply_encodings_give_one_mesh() {
         normals: vec![],
         texture_coordinates: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3], [0, 2, 1]],
+        face_normals: false,
     };
     assert_eq!(mesh, expected);
     for big_endian in [false, true] {

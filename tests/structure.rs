@@ -27,6 +27,7 @@ const LAYERS: &[(&str, &[&str])] = &[
 const CRATES: &[(&str, &[&str])] = &[
     ("obvhs", &["scene/geometry/accelerator.rs"]),
     ("roxmltree", &["scene/import", "cli/scene_file.rs"]),
+    ("flate2", &["scene/geometry/serialized.rs"]),
     ("zip", &["scene", "cli/scene_file.rs"]),
     ("exr", &["estimate/picture_files"]),
     ("image", &["estimate/picture_files"]),

@@ -27,6 +27,11 @@ impl Frame {
         }
     }
 
+    /// Whether `bitangent` is on the other side of normal × tangent.
+    pub fn is_left_handed(&self) -> bool {
+        self.normal.cross(self.tangent).dot(self.bitangent) < 0.0
+    }
+
     /// World to local.
     #[inline]
     pub fn to_local(&self, world: Vec3) -> Vec3 {

@@ -1,5 +1,7 @@
 //! Description to prepared scene.
 
+mod instancing;
+
 use std::sync::Arc;
 
 use super::bundle::Bundle;
@@ -10,13 +12,13 @@ use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::SHAPES;
-use super::geometry::surface::NO_LIGHT;
 use super::geometry::{Geometry, Shape};
 use super::light::area::read_radiance;
 use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
 use super::material::{self, Lobes, Material, TransportMode, View};
 use super::texture::TextureReader;
 use crate::math::{Rgb, Vec2};
+use instancing::Instancing;
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
 pub struct Scene {
@@ -57,6 +59,7 @@ struct Builder<'a> {
     materials: Vec<Material>,
     /// Materials by the address of their node, so that shared nodes become one material.
     material_of_node: Vec<(*const Node, u32)>,
+    instancing: Instancing,
     notices: Vec<String>,
 }
 
@@ -81,11 +84,12 @@ impl Scene {
             fields.child(PluginClass::Integrator).map(|node| read_integrator(node.as_ref())).transpose()?;
         let emitters = fields.children(PluginClass::Emitter);
         fields.finish()?;
-        if builder.shapes.is_empty() {
+        if builder.shapes.is_empty() && builder.instancing.is_empty() {
             return Err(SceneError::new(&root.location, "the scene has no shapes", "add at least one <shape>"));
         }
-        let Builder { shapes, area_lights, materials, notices, .. } = builder;
-        let (mut geometry, members) = Geometry::build(shapes);
+        let Builder { shapes, area_lights, materials, instancing, notices, .. } = builder;
+        let (geometry, members) = Geometry::build(shapes);
+        let mut geometry = instancing.add_to(geometry);
         let lights = light_table(&mut geometry, &members, &area_lights, &emitters, root)?;
         check_view(&camera, &geometry, &materials, sensor)?;
         Ok(Self { width: film.width, height: film.height, camera, geometry, materials, lights, integrator, notices })
@@ -137,13 +141,27 @@ impl<'a> Builder<'a> {
             area_lights: Vec::new(),
             materials: Vec::new(),
             material_of_node: Vec::new(),
+            instancing: Instancing::default(),
             notices: Vec::new(),
         }
     }
 
     fn add_shape(&mut self, node: &Arc<Node>) -> Result<(), SceneError> {
+        if instancing::PLUGINS.contains(&node.plugin.as_str()) {
+            return self.add_instancing(node);
+        }
+        let (shape, geometry, radiance) = self.read_shape(node)?;
+        if let Some(radiance) = radiance.filter(|radiance| *radiance != Rgb::ZERO) {
+            self.area_lights.push((self.shapes.len(), radiance));
+        }
+        self.shapes.push((shape, geometry));
+        Ok(())
+    }
+
+    /// A shape that is made of primitives, and the radiance of the light on it.
+    fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Rgb>), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
-            let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).collect();
+            let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).collect();
             let problem = format!("there is no shape \"{}\"", node.plugin);
             return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
         };
@@ -156,11 +174,7 @@ impl<'a> Builder<'a> {
         let emitter = fields.child(PluginClass::Emitter).map(|node| read_area_light(node.as_ref())).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
-        if let Some(radiance) = emitter.filter(|radiance| *radiance != Rgb::ZERO) {
-            self.area_lights.push((self.shapes.len(), radiance));
-        }
-        self.shapes.push((Shape { material, light: NO_LIGHT }, geometry));
-        Ok(())
+        Ok((Shape::new(material), geometry, emitter))
     }
 
     /// A shape must have area, in numbers that single precision can hold.

@@ -63,7 +63,7 @@ impl Accelerator {
             Bounds(members.reduce(|all, one| all.union(&one)).unwrap_or_default())
         };
         let group_bounds: Vec<Bounds> = groups.iter().map(of_group).collect();
-        let tree = build_cwbvh(&group_bounds, BvhBuildParams::slow_build(), &mut Duration::default());
+        let tree = build_tree(&group_bounds);
         let order: Vec<u32> =
             tree.primitive_indices.iter().flat_map(|group| groups[*group as usize].iter().copied()).collect();
         let has_triangles = primitives.iter().any(|primitive| matches!(primitive, Primitive::Triangle(_)));
@@ -138,11 +138,64 @@ impl Accelerator {
 
     #[inline]
     fn tree_ray(&self, ray: &Ray) -> obvhs::ray::Ray {
-        let length = ray.length * self.scale;
-        // obvhs misses everything along directions with a component of -0.0; adding zero makes it +0.0.
-        let direction = ray.direction + Vec3::ZERO;
-        obvhs::ray::Ray::new((ray.origin * self.scale).into(), direction.into(), 0.0, length)
+        tree_ray(ray, self.scale)
     }
+}
+
+/// The tree over boxes, which may be none. On a bumpy ball of 10⁶ triangles the slow way takes 4.9 s and the medium one 3.3 s, and
+/// rays are as fast in either tree; below 10⁵ that is a matter of tenths of a second.
+fn build_tree(bounds: &[Bounds]) -> CwBvh {
+    let parameters = match bounds.len() {
+        0 => return CwBvh::default(),
+        1..100_000 => BvhBuildParams::slow_build(),
+        _ => BvhBuildParams::medium_build(),
+    };
+    build_cwbvh(bounds, parameters, &mut Duration::default())
+}
+
+/// A hierarchy over boxes, whatever is in them.
+pub struct BoxTree {
+    tree: CwBvh,
+    /// World units to tree units.
+    scale: f32,
+}
+
+impl BoxTree {
+    /// Builds over boxes, each of a smallest and a largest corner; also gives the tree's order as indices into them.
+    pub fn build(boxes: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> (Self, Vec<u32>) {
+        let size = boxes.clone().map(|(low, high)| largest(low).max(largest(high))).fold(0.0, f32::max);
+        let scale = scale_for(size);
+        let bounds: Vec<Bounds> = boxes.map(|(low, high)| Bounds(padded(low * scale, high * scale))).collect();
+        let mut tree = build_tree(&bounds);
+        let order = std::mem::take(&mut tree.primitive_indices);
+        tree.nodes.shrink_to_fit();
+        (Self { tree, scale }, order)
+    }
+
+    /// Shows `visit` the boxes along `ray`, by their place in the tree's order. It gives the distance of a hit nearer than
+    /// all before, and from then on boxes farther away are left out.
+    #[inline]
+    pub fn visit_nearest(&self, ray: &Ray, mut visit: impl FnMut(usize) -> Option<f32>) {
+        self.tree.ray_traverse(tree_ray(ray, self.scale), &mut RayHit::none(), |_, index| match visit(index) {
+            Some(distance) => distance * self.scale,
+            None => f32::INFINITY,
+        });
+    }
+
+    /// Shows `visit` the boxes along `ray` until it says yes; whether it did.
+    #[inline]
+    pub fn visit_any(&self, ray: &Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
+        let answer = |yes| if yes { 0.0 } else { f32::INFINITY };
+        !self.tree.ray_traverse_miss(tree_ray(ray, self.scale), |_, index| answer(visit(index)))
+    }
+}
+
+#[inline]
+fn tree_ray(ray: &Ray, scale: f32) -> obvhs::ray::Ray {
+    let length = ray.length * scale;
+    // obvhs misses everything along directions with a component of -0.0; adding zero makes it +0.0.
+    let direction = ray.direction + Vec3::ZERO;
+    obvhs::ray::Ray::new((ray.origin * scale).into(), direction.into(), 0.0, length)
 }
 
 /// The power of two that brings coordinates of `size` to about 4096.

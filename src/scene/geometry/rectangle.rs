@@ -2,7 +2,7 @@
 //!
 //! Parameters: `to_world` (transform, identity), `flip_normals` (boolean, false).
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Primitive;
 use super::block::FlatFrame;
@@ -75,6 +75,17 @@ impl Rectangle {
     /// What a block of the accelerator keeps of it.
     pub fn frame(&self) -> FlatFrame {
         FlatFrame { center: self.center, normal: self.normal, dual: self.dual }
+    }
+
+    /// From 0 to 1 along each side.
+    pub fn uv(&self, position: Vec3, _barycentric: [f32; 2]) -> Vec2 {
+        let local = position - self.center;
+        Vec2::new(local.dot(self.dual[0]) + 1.0, local.dot(self.dual[1]) + 1.0) * 0.5
+    }
+
+    /// ∂p/∂u and ∂p/∂v, m.
+    pub fn partials(&self, _position: Vec3) -> [Vec3; 2] {
+        self.half.map(|half| half * 2.0)
     }
 
     /// Area, m².

@@ -1,15 +1,19 @@
 //! All surfaces of a scene, and where a path meets them.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::accelerator::Accelerator;
+use super::instance::{Instance, Instances};
 use super::mesh::ShapeGeometry;
+use super::parameterization::TextureCoordinates;
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray};
 use crate::math::Frame;
 
 /// Marks a shape without light.
 pub const NO_LIGHT: u32 = u32::MAX;
+/// Marks a hit outside of instances.
+pub const NO_INSTANCE: u32 = u32::MAX;
 const NO_SHADING: u32 = u32::MAX;
 
 /// What all primitives of a shape share.
@@ -19,6 +23,15 @@ pub struct Shape {
     pub material: u32,
     /// Index of its area light, or [`NO_LIGHT`].
     pub light: u32,
+    /// Whether its hits get texture coordinates and a frame along ∂p/∂u, which costs time and memory.
+    pub needs_uv: bool,
+}
+
+impl Shape {
+    /// A shape without light whose material does not look at texture coordinates.
+    pub fn new(material: u32) -> Self {
+        Self { material, light: NO_LIGHT, needs_uv: false }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -29,10 +42,13 @@ struct PrimitiveInfo {
 
 /// All surfaces.
 pub struct Geometry {
-    accelerator: Accelerator,
+    pub(super) accelerator: Accelerator,
     info: Vec<PrimitiveInfo>,
     shading_normals: Vec<[Vec3; 3]>,
+    pub(super) coordinates: TextureCoordinates,
     shapes: Vec<Shape>,
+    /// Only in scenes that have some; boxed since most have none.
+    pub(super) instances: Option<Box<Instances>>,
     low: Vec3,
     high: Vec3,
 }
@@ -44,16 +60,20 @@ pub struct Interaction {
     pub position: Vec3,
     /// Unit normal of the true surface, on the shape's outside.
     pub geometric_normal: Vec3,
-    /// Frame around the shading normal.
+    /// Frame around the shading normal; its tangent is along ∂p/∂u where the shape needs uv.
     pub frame: Frame,
+    /// Texture coordinates where the shape needs them, else 0.
+    pub uv: Vec2,
     /// Unit direction back along the path, world space.
     pub outgoing: Vec3,
     /// Distance from the ray's origin, m.
     pub distance: f32,
     /// The shape.
     pub shape: Shape,
-    /// The primitive in tree order.
+    /// The primitive in the order of its tree: the scene's, or that of the instance's group.
     pub primitive: u32,
+    /// The instance in tree order, or [`NO_INSTANCE`].
+    pub instance: u32,
     /// Bound on the rounding error of `position`, m.
     pub error: f32,
 }
@@ -75,28 +95,49 @@ impl Interaction {
 impl Geometry {
     /// Collects shapes in order and builds the accelerator. Also gives, per shape, the tree indices of its primitives.
     pub fn build(shapes: Vec<(Shape, ShapeGeometry)>) -> (Self, Vec<Vec<u32>>) {
-        let mut primitives = Vec::new();
-        let mut info = Vec::new();
+        let count = shapes.iter().map(|(_, geometry)| geometry.primitives.len()).sum();
+        let mut primitives = Vec::with_capacity(count);
+        let mut info = Vec::with_capacity(count);
         let mut shading_normals = Vec::new();
-        for (shape, (_, geometry)) in shapes.iter().enumerate() {
+        let mut coordinates = TextureCoordinates::default();
+        let mut kept_shapes = Vec::with_capacity(shapes.len());
+        // Each shape's own copy is gone before the tree is built.
+        for (shape, mut geometry) in shapes {
             let smooth = !geometry.shading_normals.is_empty();
             for index in 0..geometry.primitives.len() {
                 let shading = if smooth { (shading_normals.len() + index) as u32 } else { NO_SHADING };
-                info.push(PrimitiveInfo { shape: shape as u32, shading });
+                info.push(PrimitiveInfo { shape: kept_shapes.len() as u32, shading });
             }
-            primitives.extend_from_slice(&geometry.primitives);
-            shading_normals.extend_from_slice(&geometry.shading_normals);
-        }
-        let (accelerator, order) = Accelerator::build(&primitives);
-        let info: Vec<PrimitiveInfo> = order.iter().map(|index| info[*index as usize]).collect();
-        let mut members = vec![Vec::new(); shapes.len()];
-        for (index, info) in info.iter().enumerate() {
-            members[info.shape as usize].push(index as u32);
+            let kept = if shape.needs_uv { geometry.texture_coordinates.as_slice() } else { &[] };
+            coordinates.push_shape(geometry.primitives.len(), kept);
+            primitives.append(&mut geometry.primitives);
+            shading_normals.append(&mut geometry.shading_normals);
+            kept_shapes.push(shape);
         }
         let boxes = primitives.iter().map(Primitive::bounds);
         let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
-        let shapes = shapes.into_iter().map(|(shape, _)| shape).collect();
-        (Self { accelerator, info, shading_normals, shapes, low, high }, members)
+        let (accelerator, order) = Accelerator::build(&primitives);
+        drop(primitives);
+        coordinates.reorder(&order);
+        let info: Vec<PrimitiveInfo> = order.iter().map(|index| info[*index as usize]).collect();
+        let mut members = vec![Vec::new(); kept_shapes.len()];
+        for (index, info) in info.iter().enumerate() {
+            members[info.shape as usize].push(index as u32);
+        }
+        let geometry =
+            Self { accelerator, info, shading_normals, coordinates, shapes: kept_shapes, instances: None, low, high };
+        (geometry, members)
+    }
+
+    /// Adds instances of groups that were built from their shapes; `Instance::group` counts them from 0.
+    #[must_use]
+    pub fn with_instances(mut self, groups: Vec<Self>, instances: &[Instance]) -> Self {
+        let instances = Instances::build(groups, instances);
+        let Some((low, high)) = instances.bounds() else { return self };
+        let alone = self.info.is_empty();
+        (self.low, self.high) = if alone { (low, high) } else { (self.low.min(low), self.high.max(high)) };
+        self.instances = Some(Box::new(instances));
+        self
     }
 
     /// The primitive at a tree index.
@@ -123,34 +164,60 @@ impl Geometry {
     /// The first surface along `ray`.
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
-        let (index, hit) = self.accelerator.nearest(ray)?;
+        let nearest = self.accelerator.nearest(ray);
+        if let Some(instances) = &self.instances {
+            return self.intersect_instances(instances, ray, nearest);
+        }
+        let (index, hit) = nearest?;
+        Some(self.interaction(ray, index, &hit))
+    }
+
+    #[inline(never)]
+    fn intersect_instances(
+        &self,
+        instances: &Instances,
+        ray: &Ray,
+        nearest: Option<(usize, PrimitiveHit)>,
+    ) -> Option<Interaction> {
+        let length = nearest.map_or(ray.length, |(_, hit)| hit.distance);
+        if let Some(found) = instances.nearest(&Ray { length, ..*ray }) {
+            return Some(instances.interaction(ray, &found));
+        }
+        let (index, hit) = nearest?;
         Some(self.interaction(ray, index, &hit))
     }
 
     /// Whether anything is between a ray's origin and its length.
     #[inline]
     pub fn is_blocked(&self, ray: &Ray) -> bool {
-        self.accelerator.is_blocked(ray)
+        self.accelerator.is_blocked(ray) || self.instances.as_ref().is_some_and(|instances| instances.is_blocked(ray))
     }
 
     #[inline]
-    fn interaction(&self, ray: &Ray, index: usize, hit: &PrimitiveHit) -> Interaction {
+    pub(super) fn interaction(&self, ray: &Ray, index: usize, hit: &PrimitiveHit) -> Interaction {
         let point = self.accelerator.primitives()[index].surface(ray, hit);
         let info = self.info[index];
         let (shading, geometric) = match info.shading {
             NO_SHADING => (point.normal, point.normal),
             shading => self.shading_normal(shading, hit, point.normal),
         };
-        Interaction {
+        let shape = self.shapes[info.shape as usize];
+        let mut interaction = Interaction {
             position: point.position,
             geometric_normal: geometric,
             frame: Frame::from_normal(shading),
+            uv: Vec2::ZERO,
             outgoing: -ray.direction,
             distance: hit.distance,
-            shape: self.shapes[info.shape as usize],
+            shape,
             primitive: index as u32,
+            instance: NO_INSTANCE,
             error: point.error,
+        };
+        if shape.needs_uv {
+            self.parameterize(&mut interaction, hit.barycentric);
         }
+        interaction
     }
 
     /// The interpolated normal, and the true one turned to its side: the file's normals say what is outside.

@@ -11,6 +11,8 @@ pub struct TriangleMesh {
     pub texture_coordinates: Vec<[f32; 2]>,
     /// Three indices into the vertices for each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// Whether the file asks for flat shading.
+    pub face_normals: bool,
 }
 
 impl TriangleMesh {

@@ -1,0 +1,230 @@
+//! `instance`: a `shapegroup` placed by any affine `to_world` (transform, identity). A group is built once; its instances
+//! share it. Rays are carried into the group's space, and what they hit is carried back.
+
+use glam::{DMat3, DVec3, Mat3, Vec3};
+
+use super::accelerator::BoxTree;
+use super::parameterization::tangent_frame;
+use super::ray::{PrimitiveHit, Ray, largest, position_error};
+use super::surface::{Geometry, Interaction};
+use super::transform::ToWorld;
+use crate::math::Frame;
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// A group and where it stands.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance {
+    /// Index of its group.
+    pub group: u32,
+    to_world: Affine,
+    to_group: Affine,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Affine {
+    linear: Mat3,
+    translation: Vec3,
+}
+
+impl Affine {
+    #[inline]
+    fn point(&self, point: Vec3) -> Vec3 {
+        self.linear * point + self.translation
+    }
+
+    /// The sizes of all that is added up for a point with coordinates up to `size`.
+    fn reach(&self, size: Vec3) -> Vec3 {
+        self.linear.abs() * size + self.translation.abs()
+    }
+
+    fn is_finite(&self) -> bool {
+        self.linear.is_finite() && self.translation.is_finite()
+    }
+}
+
+impl Instance {
+    /// Reads `to_world` of an instance of group `group`.
+    pub fn read(fields: &mut Fields<'_>, group: u32) -> Result<Self, SceneError> {
+        let given = ToWorld::read(fields)?;
+        let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| given.vector(axis).as_vec3());
+        let to_world = Affine {
+            linear: Mat3::from_cols(columns[0], columns[1], columns[2]),
+            translation: given.point(DVec3::ZERO).as_vec3(),
+        };
+        // Of the rounded numbers, so that both directions belong together.
+        let inverse = DMat3::from_cols_array(&to_world.linear.to_cols_array().map(f64::from)).inverse();
+        let to_group = Affine {
+            linear: Mat3::from_cols_array(&inverse.to_cols_array().map(|entry| entry as f32)),
+            translation: (inverse * -to_world.translation.as_dvec3()).as_vec3(),
+        };
+        if to_world.is_finite() && to_group.is_finite() {
+            return Ok(Self { group, to_world, to_group });
+        }
+        let problem = "\"to_world\" and its inverse do not fit into single precision";
+        Err(fields.error("to_world", problem, "scale the shapes of the group instead"))
+    }
+
+    /// The box in the world round a box in the group's space, with room for rounding.
+    fn bounds(&self, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
+        let center = self.to_world.point((low + high) * 0.5);
+        let size = low.abs().max(high.abs());
+        let half = self.to_world.linear.abs() * ((high - low) * 0.5) + position_error(self.rounding(size));
+        (center - half, center + half)
+    }
+
+    /// The largest number that is added up for world coordinates of points with coordinates up to `size` in the group.
+    fn rounding(&self, size: Vec3) -> f32 {
+        largest(self.to_world.reach(size))
+    }
+
+    /// The ray in the group's space, and what makes a world distance of one of its distances.
+    #[inline]
+    fn ray_in(&self, group: &Group, ray: &Ray, length: f32) -> (Ray, ToWorldDistance) {
+        let direction = self.to_group.linear * ray.direction;
+        let stretch = direction.length();
+        let direction = direction / stretch;
+        let origin = self.to_group.point(ray.origin);
+        // From nearby, where single precision can tell the group's boxes apart.
+        let skipped = ((group.center - origin).dot(direction) - group.radius).max(0.0);
+        let ray = Ray { origin: origin + direction * skipped, direction, length: length * stretch - skipped };
+        (ray, ToWorldDistance { skipped, stretch })
+    }
+
+    /// Carries a hit in the group's space into the world.
+    fn carry(&self, local: Interaction, group: &Geometry, ray: &Ray, distance: f32, index: u32) -> Interaction {
+        let normal_matrix = self.to_group.linear.transpose();
+        let normal = normal_matrix * local.geometric_normal;
+        let stretch = normal.length();
+        let shading = (normal_matrix * local.frame.normal).normalize();
+        let frame = if local.shape.needs_uv {
+            let tangent = self.to_world.linear * group.partials_at(local.primitive, local.position)[0];
+            let mirrored = local.frame.is_left_handed() != (self.to_world.linear.determinant() < 0.0);
+            tangent_frame(shading, tangent, mirrored)
+        } else {
+            Frame::from_normal(shading)
+        };
+        Interaction {
+            position: self.to_world.point(local.position),
+            geometric_normal: normal / stretch,
+            frame,
+            outgoing: -ray.direction,
+            distance,
+            instance: index,
+            error: self.error(&local, stretch),
+            ..local
+        }
+    }
+
+    /// How far along its normal a point must be moved in the world to be off the surface in the group's space too:
+    /// its own error there and that of carrying rays there, `1/stretch` being what they grow by along the normal, and
+    /// that of carrying points here.
+    fn error(&self, local: &Interaction, stretch: f32) -> f32 {
+        let world = self.to_world.reach(local.position.abs());
+        let carried = largest(self.to_group.reach(world));
+        (local.error + position_error(carried)) / stretch + position_error(largest(world))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct ToWorldDistance {
+    skipped: f32,
+    stretch: f32,
+}
+
+impl ToWorldDistance {
+    fn of(self, distance: f32) -> f32 {
+        (distance + self.skipped) / self.stretch
+    }
+}
+
+/// Shapes that are placed many times.
+struct Group {
+    geometry: Geometry,
+    /// A sphere around them.
+    center: Vec3,
+    radius: f32,
+}
+
+/// All instances of a scene in the order of their tree.
+pub(super) struct Instances {
+    tree: BoxTree,
+    instances: Vec<Instance>,
+    groups: Vec<Group>,
+}
+
+/// The nearest hit within instances.
+pub(super) struct InstanceHit {
+    instance: usize,
+    primitive: usize,
+    hit: PrimitiveHit,
+    /// Distance in the world, m.
+    distance: f32,
+}
+
+impl Instances {
+    /// Builds the tree. Every instance's group is one of `groups`.
+    pub(super) fn build(groups: Vec<Geometry>, instances: &[Instance]) -> Self {
+        let around = |geometry: Geometry| {
+            let (center, radius) = geometry.bounding_sphere();
+            Group { geometry, center, radius }
+        };
+        let groups: Vec<Group> = groups.into_iter().map(around).collect();
+        let boxes = instances.iter().map(|instance| instance.bounds(groups[instance.group as usize].geometry.bounds()));
+        let (tree, order) = BoxTree::build(boxes);
+        let instances = order.iter().map(|index| instances[*index as usize]).collect();
+        Self { tree, instances, groups }
+    }
+
+    /// Smallest and largest coordinates of all instances, m.
+    pub(super) fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let bounds = self.instances.iter().map(|instance| instance.bounds(self.group(instance).geometry.bounds()));
+        bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    fn group(&self, instance: &Instance) -> &Group {
+        &self.groups[instance.group as usize]
+    }
+
+    pub(super) fn nearest(&self, ray: &Ray) -> Option<InstanceHit> {
+        let mut found = None;
+        let mut length = ray.length;
+        self.tree.visit_nearest(ray, |index| {
+            let instance = &self.instances[index];
+            let group = self.group(instance);
+            let (local, to_world) = instance.ray_in(group, ray, length);
+            let (primitive, hit) = group.geometry.accelerator.nearest(&local)?;
+            let distance = to_world.of(hit.distance);
+            if distance >= length {
+                return None;
+            }
+            length = distance;
+            found = Some(InstanceHit { instance: index, primitive, hit, distance });
+            Some(distance)
+        });
+        found
+    }
+
+    pub(super) fn is_blocked(&self, ray: &Ray) -> bool {
+        self.tree.visit_any(ray, |index| {
+            let instance = &self.instances[index];
+            let group = self.group(instance);
+            group.geometry.accelerator.is_blocked(&instance.ray_in(group, ray, ray.length).0)
+        })
+    }
+
+    pub(super) fn interaction(&self, ray: &Ray, found: &InstanceHit) -> Interaction {
+        let instance = &self.instances[found.instance];
+        let group = self.group(instance);
+        let (local, _) = instance.ray_in(group, ray, ray.length);
+        let interaction = group.geometry.interaction(&local, found.primitive, &found.hit);
+        instance.carry(interaction, &group.geometry, ray, found.distance, found.instance as u32)
+    }
+
+    pub(super) fn partials(&self, hit: &Interaction) -> [Vec3; 2] {
+        let instance = &self.instances[hit.instance as usize];
+        let local = instance.to_group.point(hit.position);
+        let partials = self.group(instance).geometry.partials_at(hit.primitive, local);
+        partials.map(|partial| instance.to_world.linear * partial)
+    }
+}
