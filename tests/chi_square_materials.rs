@@ -348,11 +348,11 @@ fn furnace_smooth_and_nearly_smooth_materials_lose_little() {
             let rough = format!("{shape}{}", number("alpha", alpha));
             check(&mut family, &bsdf("roughconductor", &rough), 1.0 - 0.3 * alpha, 1.0);
             check(&mut family, &bsdf("roughdielectric", &(rough.clone() + &glass(1.5))), 1.0 - 0.4 * alpha, 1.0);
-            check(&mut family, &bsdf("roughplastic", &(rough + &grey("diffuse_reflectance", 1.0))), 0.97, 1.01);
+            check(&mut family, &bsdf("roughplastic", &(rough + &grey("diffuse_reflectance", 1.0))), 0.96, 1.0);
         }
     }
-    // The fit of the coat's mean reflectance is within 0.1 % there, so that 0.25 % of the light may be missing or too much.
-    check(&mut family, &bsdf("plastic", &grey("diffuse_reflectance", 1.0)), 0.9975, 1.0025);
+    // The fit of the coat's mean reflectance is 0.1 % too high there, see the material's page.
+    check(&mut family, &bsdf("plastic", &grey("diffuse_reflectance", 1.0)), 1.0, 1.0015);
     check(&mut family, &bsdf("thindielectric", ""), 1.0, 1.0);
     check(&mut family, &bsdf("difftrans", &grey("transmittance", 1.0)), 1.0, 1.0);
     check(&mut family, &bsdf("mask", &bsdf("dielectric", "")), 1.0, 1.0);

@@ -8,7 +8,7 @@
 //! | `sample_visible` | accepted and changes nothing: visible normals are sampled | – | – |
 //!
 //! D and Smith's G as a product of two G1 are those of [Walter et al. 2007]: eq. 25 and 27 (Beckmann, with their rational
-//! G1), eq. 33 and 34 (GGX), with anisotropic α [Heitz 2014, eq. 85–88]. Visible normals: for GGX by spherical caps
+//! G1), eq. 33 and 34 (GGX), with anisotropic α [Heitz 2014]. Visible normals: for GGX by spherical caps
 //! [Dupuy & Benyoub 2023], the density of [Heitz 2018]; for Beckmann by inverting the distribution of slopes
 //! [Heitz & d'Eon 2014]. Their density needs the exact G1, which for Beckmann differs from the rational one by up to 0.4 %.
 //!
@@ -341,7 +341,7 @@ pub fn gaussian_normal(alpha_u: f32, alpha_v: f32, u: [f32; 2]) -> Vec3 {
     Vec3::new(alpha_u * radius * cos, alpha_v * radius * sin, 1.0).normalize()
 }
 
-/// Burley's GTR1 with roughness `alpha` < 1, isotropic: density and sampling by its cosine [Burley 2012, B.1].
+/// Burley's GTR1 with roughness `alpha` < 1, isotropic: density and sampling by its cosine [Burley 2012, appendix B].
 #[derive(Clone, Copy, Debug)]
 pub struct LongTail {
     alpha_squared: f32,
