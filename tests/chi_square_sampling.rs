@@ -221,14 +221,14 @@ fn analytic_dielectric_lobes() {
                 let outgoing = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, side * cosine);
                 let index = if side > 0.0 { interior } else { 1.0 / interior };
                 let expected = fresnel(f64::from(cosine), index);
-                let [reflected, refracted] = material.specular_lobes(&view(outgoing, TransportMode::Flux));
+                let [reflected, refracted, ..] = material.specular_lobes(&view(outgoing, TransportMode::Flux));
                 let shares = [reflected, refracted].map(|lobe| lobe.map_or(0.0, |lobe| f64::from(lobe.weight.x)));
                 let what = format!("index {index} at cosine {cosine}");
                 assert!((shares[0] - expected).abs() < 3e-5, "{what}: {} of {expected} is reflected", shares[0]);
                 assert!((shares[0] + shares[1] - 1.0).abs() < 1e-6, "{what}: {shares:?} is not all");
 
                 let radiance = material.specular_lobes(&view(outgoing, TransportMode::Radiance));
-                let [_, Some(refracted)] = radiance else { continue };
+                let [_, Some(refracted), ..] = radiance else { continue };
                 // Snell's law, the other side, and radiance that scales with the squared index.
                 let sine = f64::from(outgoing.x) / index;
                 assert!((f64::from(-refracted.direction.x) - sine).abs() < 1e-6, "{what}: {}", refracted.direction);

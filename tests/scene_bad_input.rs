@@ -182,6 +182,44 @@ fn materials_and_lights_that_cannot_be() {
 }
 
 #[test]
+fn rough_and_mixed_materials_that_cannot_be() {
+    let cases = [
+        ("roughness 0", "$<bsdf type='roughconductor'><float name='alpha' value='0'/></bsdf>"),
+        (
+            "alpha and alpha_u",
+            "$<bsdf type='roughconductor'><float name='alpha' value='0.1'/><float name='alpha_u' value='0.1'/></bsdf>",
+        ),
+        ("alpha_v without alpha_u", "$<bsdf type='ward'><float name='alpha_v' value='0.1'/></bsdf>"),
+        ("anisotropic plastic", "$<bsdf type='roughplastic'><float name='alpha_u' value='0.1'/></bsdf>"),
+        ("unknown distribution", "$<bsdf type='roughdielectric'><string name='distribution' value='gxx'/></bsdf>"),
+        (
+            "boundary between equal media",
+            "$<bsdf type='plastic'><float name='int_ior' value='1.5'/><float name='ext_ior' value='1.5'/></bsdf>",
+        ),
+        ("unknown variant", "$<bsdf type='ward'><string name='variant' value='ward-dur'/></bsdf>"),
+        (
+            "matte and glossy shares above 1",
+            "$<bsdf type='ward'><rgb name='specular_reflectance' value='0.75'/></bsdf>",
+        ),
+        ("blend without a weight", "$<bsdf type='blendbsdf'><bsdf type='diffuse'/><bsdf type='diffuse'/></bsdf>"),
+        ("blend of one", "$<bsdf type='blendbsdf'><float name='weight' value='0.5'/><bsdf type='diffuse'/></bsdf>"),
+        (
+            "weight above 1",
+            "$<bsdf type='blendbsdf'><float name='weight' value='1.5'/><bsdf type='diffuse'/><bsdf type='diffuse'/></bsdf>",
+        ),
+        ("empty mask", "$<bsdf type='mask'/>"),
+        ("two-sided hole", "$<bsdf type='twosided'><bsdf type='mask'><bsdf type='diffuse'/></bsdf></bsdf>"),
+        (
+            "eta and specular",
+            "$<bsdf type='principled'><float name='eta' value='1.5'/><float name='specular' value='0.5'/></bsdf>",
+        ),
+        ("metallic above 1", "$<bsdf type='principled'><float name='metallic' value='2'/></bsdf>"),
+        ("unknown principled parameter", "$<bsdf type='principled'><float name='clear_coat' value='1'/></bsdf>"),
+    ];
+    insta::assert_snapshot!(report(&cases, &[]));
+}
+
+#[test]
 fn pictures_that_cannot_be() {
     let film =
         |film: &str| format!("<sensor type='perspective'><film type='hdrfilm'>{film}</film></sensor>{SHAPE}{LIGHT}");

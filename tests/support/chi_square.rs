@@ -8,7 +8,7 @@ use photonfarm::math::random::{PathRandom, Stream};
 /// The chance that any of the tests of this crate that use [`Histogram`] fails although the code is right.
 const SIGNIFICANCE: f64 = 1e-3;
 /// An upper bound on the number of such tests.
-const TESTS: f64 = 128.0;
+const TESTS: f64 = 1024.0;
 /// Bins that expect fewer samples are pooled.
 const LEAST_EXPECTED: f64 = 5.0;
 

@@ -82,6 +82,7 @@ const PLUGINS: [(PluginClass, &[&str]); 10] = [
             "circular",
             "conductor",
             "dielectric",
+            "difftrans",
             "diffuse",
             "hair",
             "mask",

@@ -7,7 +7,7 @@
 //! | `specular_reflectance` | factor on the reflection | 0 to 1 | 1 |
 
 use super::measured_metals::METALS;
-use super::{Lobes, MaterialSample, View, fresnel};
+use super::{Lobes, MaterialSample, SpecularLobes, View, fresnel};
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
@@ -99,8 +99,8 @@ impl Conductor {
     }
 
     /// The mirrored direction.
-    pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
-        [self.sample(view, [0.0; 3]), None]
+    pub fn specular_lobes(&self, view: &View) -> SpecularLobes {
+        [self.sample(view, [0.0; 3]), None, None, None]
     }
 
     /// None: nothing is gathered here.

@@ -9,7 +9,7 @@
 //! Reflection is chosen with Fresnel's probability. Refraction scales radiance, but not flux, by the squared index ratio.
 
 use super::refractive_indices::REFRACTIVE_INDICES;
-use super::{Lobes, MaterialSample, TransportMode, View, fresnel};
+use super::{Lobes, MaterialSample, SpecularLobes, TransportMode, View, fresnel};
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
@@ -119,13 +119,14 @@ impl Dielectric {
     }
 
     /// Reflection and refraction, each weighted by its share.
-    pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
+    pub fn specular_lobes(&self, view: &View) -> SpecularLobes {
         let (boundary, relative_index) = self.boundary(view.outgoing);
         let weighted = |sample: MaterialSample, share: f32| {
             (share > 0.0).then_some(MaterialSample { weight: sample.weight * share, ..sample })
         };
         let refraction = self.refraction(view, boundary.cosine_refracted, relative_index);
-        [weighted(self.reflection(view), boundary.reflected), weighted(refraction, 1.0 - boundary.reflected)]
+        let reflection = weighted(self.reflection(view), boundary.reflected);
+        [reflection, weighted(refraction, 1.0 - boundary.reflected), None, None]
     }
 
     /// None: nothing is gathered here.

@@ -8,7 +8,7 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use super::{Lobes, MaterialSample, View};
+use super::{Lobes, MaterialSample, SpecularLobes, View};
 use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -67,8 +67,8 @@ impl Diffuse {
     }
 
     /// None.
-    pub fn specular_lobes(&self, _view: &View) -> [Option<MaterialSample>; 2] {
-        [None, None]
+    pub fn specular_lobes(&self, _view: &View) -> SpecularLobes {
+        SpecularLobes::default()
     }
 
     /// reflectance/π.

@@ -4,13 +4,26 @@
 //! point away from the surface. `evaluate` is the BSDF value without any cosine (1/sr); a sample's weight is
 //! `f·|cos θ_incident|/pdf`; densities are by solid angle. A material is black, not an error, where it does not scatter.
 
+pub mod blend;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
+pub mod diffuse_transmitter;
 pub mod fresnel;
+pub mod lobe_choice;
+pub mod mask;
 pub mod measured_metals;
+pub mod microfacet;
+pub mod null;
+pub mod plastic;
+pub mod principled;
 pub mod refractive_indices;
+pub mod rough_conductor;
+pub mod rough_dielectric;
+pub mod rough_plastic;
+pub mod thin_dielectric;
 pub mod two_sided;
+pub mod ward;
 
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::Node;
@@ -18,10 +31,21 @@ use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
 use crate::scene::texture::TextureReader;
 
+pub use blend::Blend;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use diffuse_transmitter::DiffuseTransmitter;
+pub use mask::Mask;
+pub use null::Null;
+pub use plastic::Plastic;
+pub use principled::Principled;
+pub use rough_conductor::RoughConductor;
+pub use rough_dielectric::RoughDielectric;
+pub use rough_plastic::RoughPlastic;
+pub use thin_dielectric::ThinDielectric;
 pub use two_sided::TwoSided;
+pub use ward::Ward;
 
 /// What a path carries: refraction scales radiance by the squared ratio of indices and leaves flux alone [Veach 1997, 5.2].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +105,37 @@ pub struct MaterialSample {
     pub relative_index: f32,
 }
 
+/// The perfectly specular directions at a place, each with its full weight.
+pub type SpecularLobes = [Option<MaterialSample>; 4];
+
 impl MaterialSample {
+    /// A sample in `direction` of the BSDF value and density in `response`; `None` where they are 0 or not finite.
+    #[inline]
+    pub fn weighted(direction: Vec3, response: (Rgb, f32), relative_index: f32) -> Option<Self> {
+        let (value, pdf) = response;
+        let weight = value * (direction.z.abs() / pdf);
+        (pdf > 0.0 && pdf.is_finite() && weight.is_finite()).then_some(Self { direction, weight, pdf, relative_index })
+    }
+
+    /// The mirrored direction.
+    #[inline]
+    pub fn mirrored(outgoing: Vec3, weight: Rgb) -> Self {
+        let direction = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
+        Self { direction, weight, pdf: 0.0, relative_index: 1.0 }
+    }
+
+    /// Straight on through the surface.
+    #[inline]
+    pub fn straight(outgoing: Vec3, weight: Rgb) -> Self {
+        Self { direction: -outgoing, weight, pdf: 0.0, relative_index: 1.0 }
+    }
+
+    /// The same with `factor` times the weight.
+    #[inline]
+    pub fn scaled(self, factor: f32) -> Self {
+        Self { weight: self.weight * factor, ..self }
+    }
+
     /// Whether the direction comes from a perfectly specular lobe.
     pub fn is_specular(&self) -> bool {
         self.pdf == 0.0
@@ -123,6 +177,12 @@ impl Lobes {
         if alpha >= Self::WIDE_ROUGHNESS { Self::WIDE } else { Self::NARROW }
     }
 
+    /// The set without the mark [`Lobes::TRANSMISSIVE`], which is no kind of its own.
+    #[inline]
+    pub fn kinds(self) -> Self {
+        Self(self.0 & (Self::SMOOTH.0 | Self::SPECULAR.0))
+    }
+
     /// Whether some of `other` are in the set.
     #[inline]
     pub fn any(self, other: Self) -> bool {
@@ -150,15 +210,16 @@ impl std::ops::BitAnd for Lobes {
 type ReadMaterial = fn(&mut Fields<'_>, &mut TextureReader<'_>) -> Result<Material, SceneError>;
 
 macro_rules! materials {
-    ($($kind:ident = $name:literal),+ $(,)?) => {
+    ($($kind:ident($holder:ty) = $name:literal),+ $(,)?) => {
         /// A checked material.
         #[derive(Clone, Debug)]
         pub enum Material {
-            $(#[doc = concat!("`", $name, "`.")] $kind($kind)),+
+            $(#[doc = concat!("`", $name, "`.")] $kind($holder)),+
         }
 
         /// Material plugins by name.
-        const MATERIALS: &[(&str, ReadMaterial)] = &[$(($name, |fields, textures| Ok(Material::$kind($kind::read(fields, textures)?)))),+];
+        const MATERIALS: &[(&str, ReadMaterial)] =
+            &[$(($name, |fields, textures| Ok(Material::$kind(<$holder>::from($kind::read(fields, textures)?))))),+];
 
         impl Material {
             /// Samples a direction among the lobes in view with three numbers in [0, 1); `None` when the path ends here.
@@ -194,7 +255,7 @@ macro_rules! materials {
             }
 
             /// The perfectly specular directions, each with its full weight, for methods that follow all of them.
-            pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
+            pub fn specular_lobes(&self, view: &View) -> SpecularLobes {
                 match self { $(Self::$kind(material) => material.specular_lobes(view)),+ }
             }
 
@@ -207,11 +268,23 @@ macro_rules! materials {
     };
 }
 
+// Large ones are boxed, so that the small ones stay close together in memory.
 materials! {
-    Diffuse = "diffuse",
-    Conductor = "conductor",
-    Dielectric = "dielectric",
-    TwoSided = "twosided",
+    Diffuse(Diffuse) = "diffuse",
+    Conductor(Conductor) = "conductor",
+    Dielectric(Dielectric) = "dielectric",
+    TwoSided(TwoSided) = "twosided",
+    RoughConductor(Box<RoughConductor>) = "roughconductor",
+    RoughDielectric(Box<RoughDielectric>) = "roughdielectric",
+    Plastic(Box<Plastic>) = "plastic",
+    RoughPlastic(Box<RoughPlastic>) = "roughplastic",
+    ThinDielectric(Box<ThinDielectric>) = "thindielectric",
+    Ward(Box<Ward>) = "ward",
+    Blend(Box<Blend>) = "blendbsdf",
+    Mask(Box<Mask>) = "mask",
+    Null(Null) = "null",
+    Principled(Box<Principled>) = "principled",
+    DiffuseTransmitter(DiffuseTransmitter) = "difftrans",
 }
 
 /// Reads a material node.

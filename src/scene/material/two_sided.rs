@@ -2,7 +2,7 @@
 //!
 //! Holds one opaque bsdf for both sides, or two: front, then back.
 
-use super::{Lobes, Material, MaterialSample, View, flip};
+use super::{Lobes, Material, MaterialSample, SpecularLobes, View, flip};
 use crate::math::{Rgb, Vec3};
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
@@ -85,7 +85,7 @@ impl TwoSided {
     }
 
     /// Those of the side that is seen.
-    pub fn specular_lobes(&self, view: &View) -> [Option<MaterialSample>; 2] {
+    pub fn specular_lobes(&self, view: &View) -> SpecularLobes {
         let (material, side) = self.side(view);
         let lobes = material.specular_lobes(&side);
         if view.outgoing.z >= 0.0 { lobes } else { lobes.map(|sample| sample.map(MaterialSample::from_behind)) }
