@@ -29,7 +29,7 @@ use crate::math::random::{PathRandom, Stream, dimension};
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::ray::{largest, position_error};
-use crate::scene::geometry::surface::{Interaction, NO_LIGHT, Shape};
+use crate::scene::geometry::{Interaction, Shape};
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
@@ -128,9 +128,10 @@ impl HitPoint {
             position: self.position,
             geometric_normal,
             frame: Frame::from_normal(if flat { geometric_normal } else { shading_normal }),
+            uv: Vec2::ZERO,
             outgoing,
             distance: 0.0,
-            shape: Shape { material, light: NO_LIGHT },
+            shape: Shape::new(material),
             primitive: 0,
             error,
         };

@@ -10,7 +10,6 @@ use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::SHAPES;
-use super::geometry::surface::NO_LIGHT;
 use super::geometry::{Geometry, Shape};
 use super::light::area::read_radiance;
 use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
@@ -159,7 +158,7 @@ impl<'a> Builder<'a> {
         if let Some(radiance) = emitter.filter(|radiance| *radiance != Rgb::ZERO) {
             self.area_lights.push((self.shapes.len(), radiance));
         }
-        self.shapes.push((Shape { material, light: NO_LIGHT }, geometry));
+        self.shapes.push((Shape::new(material), geometry));
         Ok(())
     }
 

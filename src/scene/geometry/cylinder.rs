@@ -1,10 +1,13 @@
 //! `cylinder`: the open tube of `radius` (m, above 0, 1) between `p0` (point, origin) and `p1` (point, 0 0 1), then `to_world`
 //! (a similarity). Outside is away from the axis; `flip_normals` (boolean, false) turns it round. It has no caps.
 
-use glam::{DVec3, Vec3};
+use std::f32::consts::TAU;
+
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Primitive;
 use super::mesh::ShapeGeometry;
+use super::parameterization::{cosine_and_sine, turns};
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
 use super::sphere::positive_radius;
 use super::transform::{ToWorld, to_single};
@@ -22,6 +25,9 @@ pub struct Cylinder {
     height: f32,
     radius: f32,
     orientation: f32,
+    /// Unit direction across the axis where u is 0; u grows towards `handedness` times axis × meridian.
+    meridian: Vec3,
+    handedness: f32,
 }
 
 /// Reads the shape.
@@ -35,12 +41,15 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     if axis.length() == 0.0 {
         return Err(fields.error("p1", "the cylinder has no height", "give p0 and p1 that differ"));
     }
+    let across = Frame::from_normal((end - start).normalize().as_vec3()).tangent.as_dvec3();
     let cylinder = Cylinder {
         start: to_single(to_world.point(start), fields)?,
         axis: axis.normalize().as_vec3(),
         height: to_single(DVec3::splat(axis.length()), fields)?.x,
         radius: to_single(DVec3::splat(radius * to_world.uniform_scale(fields)?), fields)?.x,
         orientation: if flip { -1.0 } else { 1.0 },
+        meridian: to_world.vector(across).reject_from(axis).normalize().as_vec3(),
+        handedness: to_world.handedness(),
     };
     Ok(ShapeGeometry::from_primitives(vec![Primitive::Cylinder(cylinder)]))
 }
@@ -87,9 +96,29 @@ impl Cylinder {
         }
     }
 
+    /// The axes across the tube, and the coordinates of `position` along them and along the axis.
+    fn local(&self, position: Vec3) -> ([Vec3; 2], Vec3) {
+        let axes = [self.meridian, self.axis.cross(self.meridian) * self.handedness];
+        let relative = position - self.start;
+        (axes, Vec3::new(relative.dot(axes[0]), relative.dot(axes[1]), relative.dot(self.axis)))
+    }
+
+    /// Angle in turns, and height over the whole.
+    pub fn uv(&self, position: Vec3, _barycentric: [f32; 2]) -> Vec2 {
+        let (_, local) = self.local(position);
+        Vec2::new(turns(local.x, local.y), local.z / self.height)
+    }
+
+    /// ∂p/∂u and ∂p/∂v, m.
+    pub fn partials(&self, position: Vec3) -> [Vec3; 2] {
+        let ([x, y], local) = self.local(position);
+        let [cosine, sine] = cosine_and_sine(local.x, local.y);
+        [(y * cosine - x * sine) * (TAU * self.radius), self.axis * self.height]
+    }
+
     /// Area, m².
     pub fn area(&self) -> f32 {
-        2.0 * std::f32::consts::PI * self.radius * self.height
+        TAU * self.radius * self.height
     }
 
     /// Smallest and largest coordinates.

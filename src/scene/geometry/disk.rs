@@ -2,10 +2,13 @@
 //!
 //! Parameters: `to_world` (transform, identity), `flip_normals` (boolean, false).
 
-use glam::{DVec3, Vec3};
+use std::f32::consts::TAU;
+
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Primitive;
 use super::mesh::ShapeGeometry;
+use super::parameterization::{cosine_and_sine, turns};
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
 use super::rectangle::dual_vectors;
 use super::transform::{ToWorld, to_single};
@@ -62,6 +65,25 @@ impl Disk {
     fn point(&self, position: Vec3) -> SurfacePoint {
         let error = position_error(largest(self.center) + largest(self.half[0]) + largest(self.half[1]));
         SurfacePoint { position, normal: self.normal, error }
+    }
+
+    fn local(&self, position: Vec3) -> Vec2 {
+        let relative = position - self.center;
+        Vec2::new(relative.dot(self.dual[0]), relative.dot(self.dual[1]))
+    }
+
+    /// Distance from the centre over the radius, and angle in turns.
+    pub fn uv(&self, position: Vec3, _barycentric: [f32; 2]) -> Vec2 {
+        let local = self.local(position);
+        Vec2::new(local.length(), turns(local.x, local.y))
+    }
+
+    /// ∂p/∂u and ∂p/∂v, m.
+    pub fn partials(&self, position: Vec3) -> [Vec3; 2] {
+        let local = self.local(position);
+        let [cosine, sine] = cosine_and_sine(local.x, local.y);
+        let [x, y] = self.half;
+        [x * cosine + y * sine, (y * cosine - x * sine) * (TAU * local.length())]
     }
 
     /// Area, m².

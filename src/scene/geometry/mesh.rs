@@ -2,10 +2,10 @@
 //!
 //! `cube` is [-1, 1]³ under any affine `to_world`, outside outwards. `ply` and `obj` read `filename` (relative to the scene);
 //! `face_normals` (boolean, false) shades every triangle flat; otherwise the
-//! file's normals count, or smooth ones are made as in Mitsuba; `flip_normals` (boolean, false); `flip_tex_coords` is read and
-//! changes nothing while there are no textures.
+//! file's normals count, or smooth ones are made as in Mitsuba; `flip_normals` (boolean, false); `flip_tex_coords` (boolean,
+//! true for `obj`, else false) turns v into 1 - v.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Primitive;
 use super::transform::{ToWorld, to_single};
@@ -23,6 +23,8 @@ pub struct ShapeGeometry {
     pub primitives: Vec<Primitive>,
     /// Unit shading normals of the three vertices, per primitive; empty when the shape has none.
     pub shading_normals: Vec<[Vec3; 3]>,
+    /// Texture coordinates of the three vertices, per primitive; empty when the shape has none.
+    pub texture_coordinates: Vec<[Vec2; 3]>,
     /// Triangles without area that were left out.
     pub degenerate: usize,
 }
@@ -43,27 +45,37 @@ pub fn read_cube(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
         let sign = |bit: usize| if index >> bit & 1 == 1 { 1.0 } else { -1.0 };
         *corner = to_single(to_world.point(DVec3::new(sign(0), sign(1), sign(2))), fields)?;
     }
-    // Each face counter-clockwise from outside; bit 0 is x, bit 1 is y, bit 2 is z.
-    const FACES: [[usize; 4]; 6] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis));
     let mirrored = axes[0].cross(axes[1]).dot(axes[2]) < 0.0;
-    let triangles = FACES.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).map(|[a, b, c]| {
-        let vertices = if mirrored != flip { [a, c, b] } else { [a, b, c] };
-        Primitive::Triangle(Triangle { vertices: vertices.map(|index| corners[index]) })
-    });
-    Ok(ShapeGeometry::from_primitives(triangles.collect()))
+    let mut shape = ShapeGeometry::default();
+    for face in CUBE_FACES {
+        for triangle in [[0, 1, 2], [0, 2, 3]] {
+            let [a, b, c] = triangle;
+            let order = if mirrored != flip { [c, b, a] } else { triangle };
+            shape.texture_coordinates.push(order.map(|corner| CUBE_FACE_COORDINATES[corner]));
+            let vertices = order.map(|corner| corners[face[corner]]);
+            shape.primitives.push(Primitive::Triangle(Triangle { vertices }));
+        }
+    }
+    Ok(shape)
 }
+
+/// The corners of each face counter-clockwise from outside; bit 0 of a corner is x, bit 1 is y, bit 2 is z.
+const CUBE_FACES: [[usize; 4]; 6] =
+    [[1, 5, 4, 0], [3, 2, 6, 7], [1, 3, 7, 5], [5, 7, 6, 4], [4, 6, 2, 0], [3, 1, 0, 2]];
+/// The texture coordinates of each face's corners, as in Mitsuba.
+const CUBE_FACE_COORDINATES: [Vec2; 4] = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZERO];
 
 /// Reads a `ply` shape.
 pub fn read_ply(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
     let (bytes, location) = mesh_file(fields, bundle)?;
-    from_mesh(ply::read(&bytes, &location)?, fields)
+    from_mesh(ply::read(&bytes, &location)?, fields, false)
 }
 
 /// Reads an `obj` shape.
 pub fn read_obj(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
     let (bytes, location) = mesh_file(fields, bundle)?;
-    from_mesh(obj::read(&bytes, &location)?, fields)
+    from_mesh(obj::read(&bytes, &location)?, fields, true)
 }
 
 fn mesh_file(
@@ -79,11 +91,18 @@ fn mesh_file(
     Ok((bytes, location))
 }
 
-fn from_mesh(mesh: TriangleMesh, fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+/// `flip_by_default` is what `flip_tex_coords` is when it is not given.
+fn from_mesh(
+    mut mesh: TriangleMesh,
+    fields: &mut Fields<'_>,
+    flip_by_default: bool,
+) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
     let face_normals = fields.boolean("face_normals")?.unwrap_or(false);
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
-    fields.ignore(&["flip_tex_coords"]);
+    if fields.boolean("flip_tex_coords")?.unwrap_or(flip_by_default) {
+        mesh.texture_coordinates.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
+    }
     let points = mesh
         .positions
         .iter()
@@ -99,7 +118,16 @@ fn from_mesh(mesh: TriangleMesh, fields: &mut Fields<'_>) -> Result<ShapeGeometr
             .map(|normal| to_world.normal(Vec3::from_array(*normal).as_dvec3()).as_vec3() * sign)
             .collect(),
     };
-    Ok(triangles_of(&mesh.triangles, &points, &normals, flip))
+    let vertices = Vertices { points, normals, coordinates: mesh.texture_coordinates };
+    let shape = triangles_of(&mesh.triangles, &vertices, flip);
+    if shape.primitives.is_empty() {
+        let problem = match mesh.triangles.len() {
+            1 => "the mesh's only triangle has no area".to_owned(),
+            count => format!("none of the mesh's {count} triangles has an area"),
+        };
+        return Err(SceneError::new(fields.location(), problem, "check the mesh, its size and its to_world"));
+    }
+    Ok(shape)
 }
 
 /// Vertex normals as means of the triangles around, weighted by their angle at the vertex [Thürmer & Wüthrich 1998].
@@ -122,11 +150,25 @@ fn usable_or_nan(normal: Vec3) -> Vec3 {
     if normal == Vec3::ZERO { Vec3::NAN } else { normal }
 }
 
-fn triangles_of(triangles: &[[u32; 3]], points: &[Vec3], normals: &[Vec3], flip: bool) -> ShapeGeometry {
+/// What triangles refer to, in world space.
+struct Vertices {
+    points: Vec<Vec3>,
+    /// Unit, or not finite; empty when triangles are shaded flat.
+    normals: Vec<Vec3>,
+    /// Empty when the mesh has none.
+    coordinates: Vec<[f32; 2]>,
+}
+
+fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, flip: bool) -> ShapeGeometry {
+    let Vertices { points, normals, coordinates } = vertices;
     let mut shape = ShapeGeometry::default();
+    shape.primitives.reserve_exact(triangles.len());
+    shape.shading_normals.reserve_exact(if normals.is_empty() { 0 } else { triangles.len() });
+    shape.texture_coordinates.reserve_exact(if coordinates.is_empty() { 0 } else { triangles.len() });
     for indices in triangles {
         let [a, b, c] = indices.map(|index| index as usize);
-        let order = if flip { [a, c, b] } else { [a, b, c] };
+        // As in Mitsuba, where barycentric coordinates stand in for texture coordinates.
+        let order = if flip { [c, b, a] } else { [a, b, c] };
         let triangle = Triangle { vertices: order.map(|index| points[index]) };
         if triangle.area() == 0.0 {
             shape.degenerate += 1;
@@ -137,6 +179,9 @@ fn triangles_of(triangles: &[[u32; 3]], points: &[Vec3], normals: &[Vec3], flip:
             // A vertex without a usable normal takes the triangle's.
             let usable = |normal: Vec3| if normal.is_finite() { normal } else { face };
             shape.shading_normals.push(order.map(|index| usable(normals[index])));
+        }
+        if !coordinates.is_empty() {
+            shape.texture_coordinates.push(order.map(|index| Vec2::from_array(coordinates[index])));
         }
         shape.primitives.push(Primitive::Triangle(triangle));
     }

@@ -5,6 +5,7 @@ pub mod cylinder;
 pub mod disk;
 pub mod mesh;
 pub mod obj;
+pub mod parameterization;
 pub mod ply;
 pub mod primitive;
 pub mod ray;

@@ -1,7 +1,7 @@
 //! What the accelerator holds. A new kind of primitive is one file and one row in `primitives!`; a new kind of shape is one
 //! file and one row in [`SHAPES`].
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::cylinder::{self, Cylinder};
 use super::disk::{self, Disk};
@@ -57,6 +57,16 @@ macro_rules! primitives {
             /// Smallest and largest coordinates, m.
             pub fn bounds(&self) -> (Vec3, Vec3) {
                 match self { $(Self::$kind(primitive) => primitive.bounds()),+ }
+            }
+
+            /// Texture coordinates at `position`; `barycentric` as in a triangle's hit.
+            pub fn uv(&self, position: Vec3, barycentric: [f32; 2]) -> Vec2 {
+                match self { $(Self::$kind(primitive) => primitive.uv(position, barycentric)),+ }
+            }
+
+            /// ∂p/∂u and ∂p/∂v at `position`, m.
+            pub fn partials(&self, position: Vec3) -> [Vec3; 2] {
+                match self { $(Self::$kind(primitive) => primitive.partials(position)),+ }
             }
 
             /// A point uniform by area.

@@ -2,7 +2,7 @@
 //!
 //! Parameters: `to_world` (transform, identity), `flip_normals` (boolean, false).
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Primitive;
 use super::mesh::ShapeGeometry;
@@ -69,6 +69,17 @@ impl Rectangle {
     fn point(&self, position: Vec3) -> SurfacePoint {
         let size = largest(self.center) + largest(self.half[0]) + largest(self.half[1]);
         SurfacePoint { position, normal: self.normal, error: position_error(size) }
+    }
+
+    /// From 0 to 1 along each side.
+    pub fn uv(&self, position: Vec3, _barycentric: [f32; 2]) -> Vec2 {
+        let local = position - self.center;
+        Vec2::new(local.dot(self.dual[0]) + 1.0, local.dot(self.dual[1]) + 1.0) * 0.5
+    }
+
+    /// ∂p/∂u and ∂p/∂v, m.
+    pub fn partials(&self, _position: Vec3) -> [Vec3; 2] {
+        self.half.map(|half| half * 2.0)
     }
 
     /// Area, m².

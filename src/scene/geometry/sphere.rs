@@ -1,10 +1,13 @@
 //! `sphere`: `center` (point, origin) and `radius` (m, above 0, 1) in its own space, then `to_world` (a similarity).
 //! Outside is away from the centre; `flip_normals` (boolean, false) turns it round.
 
-use glam::{DVec3, Vec3};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+
+use glam::{DVec3, Vec2, Vec3};
 
 use super::Primitive;
 use super::mesh::ShapeGeometry;
+use super::parameterization::{cosine_and_sine, turns};
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
 use super::transform::{ToWorld, to_single};
 use crate::math::{Frame, warp};
@@ -18,6 +21,10 @@ pub struct Sphere {
     radius: f32,
     /// 1, or -1 when the outside is towards the centre.
     orientation: f32,
+    /// Unit images of its own z and x axes; the y axis is `handedness` times their cross product.
+    pole: Vec3,
+    meridian: Vec3,
+    handedness: f32,
 }
 
 /// Reads the shape.
@@ -30,6 +37,9 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
         center: to_single(to_world.point(center), fields)?,
         radius: to_single(DVec3::splat(radius * to_world.uniform_scale(fields)?), fields)?.x,
         orientation: if flip { -1.0 } else { 1.0 },
+        pole: to_world.vector(DVec3::Z).normalize().as_vec3(),
+        meridian: to_world.vector(DVec3::X).normalize().as_vec3(),
+        handedness: to_world.handedness(),
     };
     Ok(ShapeGeometry::from_primitives(vec![Primitive::Sphere(sphere)]))
 }
@@ -78,9 +88,30 @@ impl Sphere {
         }
     }
 
+    /// The axes of its own space.
+    fn axes(&self) -> [Vec3; 3] {
+        [self.meridian, self.pole.cross(self.meridian) * self.handedness, self.pole]
+    }
+
+    /// φ in turns, and θ from +z in half turns.
+    pub fn uv(&self, position: Vec3, _barycentric: [f32; 2]) -> Vec2 {
+        let [x, y, z] = self.axes().map(|axis| axis.dot(position - self.center));
+        Vec2::new(turns(x, y), libm::atan2f(x.hypot(y), z) * FRAC_1_PI)
+    }
+
+    /// ∂p/∂u and ∂p/∂v, m.
+    pub fn partials(&self, position: Vec3) -> [Vec3; 2] {
+        let axes = self.axes();
+        let [x, y, z] = axes.map(|axis| axis.dot(position - self.center));
+        let [cosine, sine] = cosine_and_sine(x, y);
+        let along_u = axes[1] * x - axes[0] * y;
+        let along_v = (axes[0] * cosine + axes[1] * sine) * z - axes[2] * (x * cosine + y * sine);
+        [along_u * TAU, along_v * PI]
+    }
+
     /// Area, m².
     pub fn area(&self) -> f32 {
-        4.0 * std::f32::consts::PI * self.radius * self.radius
+        4.0 * PI * self.radius * self.radius
     }
 
     /// Smallest and largest coordinates.

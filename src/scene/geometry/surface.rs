@@ -1,9 +1,10 @@
 //! All surfaces of a scene, and where a path meets them.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::accelerator::Accelerator;
 use super::mesh::ShapeGeometry;
+use super::parameterization::TextureCoordinates;
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray};
 use crate::math::Frame;
@@ -19,6 +20,15 @@ pub struct Shape {
     pub material: u32,
     /// Index of its area light, or [`NO_LIGHT`].
     pub light: u32,
+    /// Whether its hits get texture coordinates and a frame along ∂p/∂u, which costs time and memory.
+    pub needs_uv: bool,
+}
+
+impl Shape {
+    /// A shape without light whose material does not look at texture coordinates.
+    pub fn new(material: u32) -> Self {
+        Self { material, light: NO_LIGHT, needs_uv: false }
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -32,6 +42,7 @@ pub struct Geometry {
     accelerator: Accelerator,
     info: Vec<PrimitiveInfo>,
     shading_normals: Vec<[Vec3; 3]>,
+    pub(super) coordinates: TextureCoordinates,
     shapes: Vec<Shape>,
     low: Vec3,
     high: Vec3,
@@ -44,8 +55,10 @@ pub struct Interaction {
     pub position: Vec3,
     /// Unit normal of the true surface, on the shape's outside.
     pub geometric_normal: Vec3,
-    /// Frame around the shading normal.
+    /// Frame around the shading normal; its tangent is along ∂p/∂u where the shape needs uv.
     pub frame: Frame,
+    /// Texture coordinates where the shape needs them, else 0.
+    pub uv: Vec2,
     /// Unit direction back along the path, world space.
     pub outgoing: Vec3,
     /// Distance from the ray's origin, m.
@@ -78,7 +91,8 @@ impl Geometry {
         let mut primitives = Vec::new();
         let mut info = Vec::new();
         let mut shading_normals = Vec::new();
-        for (shape, (_, geometry)) in shapes.iter().enumerate() {
+        let mut coordinates = TextureCoordinates::default();
+        for (shape, (properties, geometry)) in shapes.iter().enumerate() {
             let smooth = !geometry.shading_normals.is_empty();
             for index in 0..geometry.primitives.len() {
                 let shading = if smooth { (shading_normals.len() + index) as u32 } else { NO_SHADING };
@@ -86,8 +100,11 @@ impl Geometry {
             }
             primitives.extend_from_slice(&geometry.primitives);
             shading_normals.extend_from_slice(&geometry.shading_normals);
+            let kept = if properties.needs_uv { geometry.texture_coordinates.as_slice() } else { &[] };
+            coordinates.push_shape(geometry.primitives.len(), kept);
         }
         let (accelerator, order) = Accelerator::build(&primitives);
+        coordinates.reorder(&order);
         let info: Vec<PrimitiveInfo> = order.iter().map(|index| info[*index as usize]).collect();
         let mut members = vec![Vec::new(); shapes.len()];
         for (index, info) in info.iter().enumerate() {
@@ -96,7 +113,7 @@ impl Geometry {
         let boxes = primitives.iter().map(Primitive::bounds);
         let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
         let shapes = shapes.into_iter().map(|(shape, _)| shape).collect();
-        (Self { accelerator, info, shading_normals, shapes, low, high }, members)
+        (Self { accelerator, info, shading_normals, coordinates, shapes, low, high }, members)
     }
 
     /// The primitive at a tree index.
@@ -141,16 +158,22 @@ impl Geometry {
             NO_SHADING => (point.normal, point.normal),
             shading => self.shading_normal(shading, hit, point.normal),
         };
-        Interaction {
+        let shape = self.shapes[info.shape as usize];
+        let mut interaction = Interaction {
             position: point.position,
             geometric_normal: geometric,
             frame: Frame::from_normal(shading),
+            uv: Vec2::ZERO,
             outgoing: -ray.direction,
             distance: hit.distance,
-            shape: self.shapes[info.shape as usize],
+            shape,
             primitive: index as u32,
             error: point.error,
+        };
+        if shape.needs_uv {
+            self.parameterize(&mut interaction, hit.barycentric);
         }
+        interaction
     }
 
     /// The interpolated normal, and the true one turned to its side: the file's normals say what is outside.

@@ -45,6 +45,11 @@ impl ToWorld {
         (self.normal_matrix * normal).normalize()
     }
 
+    /// -1 when it mirrors, else 1.
+    pub fn handedness(&self) -> f32 {
+        if self.normal_matrix.determinant() < 0.0 { -1.0 } else { 1.0 }
+    }
+
     /// The one factor by which it scales all lengths; an error at `to_world` when it is not a similarity.
     pub fn uniform_scale(&self, fields: &Fields<'_>) -> Result<f64, SceneError> {
         let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.vector(axis));

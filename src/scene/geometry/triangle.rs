@@ -1,6 +1,6 @@
 //! Triangles with a watertight test.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
 use crate::math::warp;
@@ -53,6 +53,17 @@ impl Triangle {
             normal: (b - a).cross(c - a).normalize(),
             error: position_error(size),
         }
+    }
+
+    /// The barycentric coordinates, which stand in where vertices have no texture coordinates.
+    pub fn uv(&self, _position: Vec3, barycentric: [f32; 2]) -> Vec2 {
+        Vec2::from_array(barycentric)
+    }
+
+    /// The derivatives by the barycentric coordinates, m.
+    pub fn partials(&self, _position: Vec3) -> [Vec3; 2] {
+        let [a, b, c] = self.vertices;
+        [b - a, c - a]
     }
 
     /// Area, m².

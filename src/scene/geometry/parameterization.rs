@@ -1,0 +1,129 @@
+//! Texture coordinates and tangents: uv and its partial derivatives at a point of a surface, in Mitsuba's conventions.
+//!
+//! | primitive | u | v |
+//! |---|---|---|
+//! | rectangle | (x + 1)/2 | (y + 1)/2 |
+//! | disk | distance from the centre | φ/2π |
+//! | sphere | φ/2π | θ/π, from +z |
+//! | cylinder | φ/2π | height from `p0` over the whole |
+//! | triangle | from its vertices, else the barycentric coordinate of the second vertex | …, of the third |
+//!
+//! x, y, z, φ and θ are in the shape's own space.
+
+use glam::{Vec2, Vec3};
+
+use super::ray::SurfacePoint;
+use super::surface::{Geometry, Interaction};
+use crate::math::{Frame, warp};
+
+/// Marks a primitive without texture coordinates of its own.
+const NONE: u32 = u32::MAX;
+
+/// The texture coordinates that meshes bring along.
+#[derive(Default)]
+pub(super) struct TextureCoordinates {
+    /// Of the three vertices.
+    triangles: Vec<[Vec2; 3]>,
+    /// By primitive, an index into `triangles` or [`NONE`]; empty when there are none at all.
+    of_primitive: Vec<u32>,
+}
+
+impl TextureCoordinates {
+    /// Adds a shape of `primitives` primitives with its coordinates, which may be none.
+    pub(super) fn push_shape(&mut self, primitives: usize, coordinates: &[[Vec2; 3]]) {
+        let first = self.triangles.len();
+        let index = |primitive| if coordinates.is_empty() { NONE } else { (first + primitive) as u32 };
+        self.of_primitive.extend((0..primitives).map(index));
+        self.triangles.extend_from_slice(coordinates);
+    }
+
+    /// Brings the primitives into the order of the tree.
+    pub(super) fn reorder(&mut self, order: &[u32]) {
+        self.of_primitive = match self.triangles.is_empty() {
+            true => Vec::new(),
+            false => order.iter().map(|index| self.of_primitive[*index as usize]).collect(),
+        };
+    }
+
+    fn get(&self, primitive: u32) -> Option<&[Vec2; 3]> {
+        self.triangles.get(*self.of_primitive.get(primitive as usize)? as usize)
+    }
+}
+
+impl Geometry {
+    /// ∂p/∂u and ∂p/∂v at a hit, m, in world space. Both are zero where texture coordinates do not tell points apart.
+    ///
+    /// Means something where `hit.shape.needs_uv` is set; texture coordinates of other meshes are not kept.
+    pub fn partials(&self, hit: &Interaction) -> [Vec3; 2] {
+        self.partials_at(hit.primitive, hit.position)
+    }
+
+    /// A point uniform by area on the primitive at a tree index, with its texture coordinates.
+    pub fn sample_with_uv(&self, primitive: u32, u: [f32; 2]) -> (SurfacePoint, Vec2) {
+        let point = self.primitive(primitive).sample(u);
+        (point, self.uv_at(primitive, point.position, warp::triangle(u).to_array()))
+    }
+
+    /// Fills in `uv`, and turns the frame so that its tangent is along ∂p/∂u.
+    #[inline(never)]
+    pub(super) fn parameterize(&self, hit: &mut Interaction, barycentric: [f32; 2]) {
+        hit.uv = self.uv_at(hit.primitive, hit.position, barycentric);
+        let tangent = self.partials_at(hit.primitive, hit.position)[0];
+        // Normal maps of meshes follow the orientation of their coordinates.
+        let mirrored = self.coordinates.get(hit.primitive).is_some_and(|triangle| determinant(triangle) < 0.0);
+        hit.frame = tangent_frame(hit.frame.normal, tangent, mirrored);
+    }
+
+    fn uv_at(&self, primitive: u32, position: Vec3, barycentric: [f32; 2]) -> Vec2 {
+        match self.coordinates.get(primitive) {
+            Some([a, b, c]) => *a + (*b - *a) * barycentric[0] + (*c - *a) * barycentric[1],
+            None => self.primitive(primitive).uv(position, barycentric),
+        }
+    }
+
+    pub(super) fn partials_at(&self, primitive: u32, position: Vec3) -> [Vec3; 2] {
+        let [first, second] = self.primitive(primitive).partials(position);
+        let Some(triangle) = self.coordinates.get(primitive) else { return [first, second] };
+        let ([one, other], determinant) = (edges(triangle), determinant(triangle));
+        if determinant == 0.0 {
+            return [Vec3::ZERO; 2];
+        }
+        let along_u = (first * other.y - second * one.y) / determinant;
+        let along_v = (second * one.x - first * other.x) / determinant;
+        if along_u.is_finite() && along_v.is_finite() { [along_u, along_v] } else { [Vec3::ZERO; 2] }
+    }
+}
+
+fn edges([a, b, c]: &[Vec2; 3]) -> [Vec2; 2] {
+    [*b - *a, *c - *a]
+}
+
+fn determinant(triangle: &[Vec2; 3]) -> f32 {
+    let [one, other] = edges(triangle);
+    one.perp_dot(other)
+}
+
+/// The frame round `normal` whose tangent is as near to `tangent` as it can be; its bitangent is on the other side when
+/// `mirrored`.
+pub(super) fn tangent_frame(normal: Vec3, tangent: Vec3, mirrored: bool) -> Frame {
+    // Normalized first: the partial derivatives of tiny shapes have no square.
+    let tangent = tangent.normalize_or_zero();
+    match (tangent - normal * normal.dot(tangent)).try_normalize() {
+        Some(tangent) => {
+            let bitangent = normal.cross(tangent);
+            Frame { tangent, bitangent: if mirrored { -bitangent } else { bitangent }, normal }
+        }
+        None => Frame::from_normal(normal),
+    }
+}
+
+/// The angle of (x, y) from +x, in turns: [0, 1].
+pub(super) fn turns(x: f32, y: f32) -> f32 {
+    let turns = libm::atan2f(y, x) * (0.5 * std::f32::consts::FRAC_1_PI);
+    if turns < 0.0 { turns + 1.0 } else { turns }
+}
+
+/// Cosine and sine of the angle of (x, y) from +x; those of 0 for the origin.
+pub(super) fn cosine_and_sine(x: f32, y: f32) -> [f32; 2] {
+    Vec2::new(x, y).try_normalize().unwrap_or(Vec2::X).to_array()
+}
