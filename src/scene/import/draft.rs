@@ -39,6 +39,13 @@ pub(super) struct DraftChild {
     pub location: Location,
 }
 
+impl DraftChild {
+    /// Whether it stands elsewhere.
+    pub(super) fn is_reference(&self) -> bool {
+        matches!(self.target, Target::Reference(_))
+    }
+}
+
 /// What a child is.
 pub(super) enum Target {
     /// Written in place.

@@ -7,6 +7,7 @@
 mod draft;
 mod json_text;
 mod mitsuba_json;
+mod mitsuba_old;
 mod mitsuba_xml;
 mod pack;
 mod plugins;
