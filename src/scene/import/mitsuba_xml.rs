@@ -94,7 +94,7 @@ pub(super) struct Reader<'a> {
     pub(super) bundle: &'a Bundle,
     parameters: Parameters,
     aliases: Vec<Alias>,
-    includes: Vec<(String, Location)>,
+    pub(super) includes: Vec<(String, Location)>,
     /// The files that are being read, each included by the one before.
     open: Vec<String>,
     pub(super) notices: Vec<Notice>,

@@ -51,7 +51,11 @@ impl Reader<'_> {
         let place = file.place(element, path.as_str());
         let attributes = self.attributes(file, element, &path, &["name"], color::attributes(tag))?;
         self.refuse_contents(file, element, &path)?;
-        let color = color::read(tag, &attributes, &place, |name| self.bundle.read(name, &place))?;
+        let bundle = self.bundle;
+        let color = color::read(tag, &attributes, &place, |name| {
+            self.includes.push((name.to_owned(), place.clone()));
+            bundle.read(name, &place)
+        })?;
         if color.from_spectrum {
             let subject = format!("the <{tag}> of \"{}\"", attributes.text("name"));
             let [red, green, blue] = color.rgb;
