@@ -174,37 +174,30 @@ pub(super) fn mixture(mut draft: Draft, _: &mut Translation) -> Result<Outcome, 
         let problem = format!("mixturebsdf with {} bsdfs and weights {weights:?}", draft.children.len());
         return Err(bad(problem));
     }
-    let mut children = std::mem::take(&mut draft.children);
-    draft.parameters.clear();
-    let mut weights = weights;
+    let children = std::mem::take(&mut draft.children);
+    let mut parts: Vec<(Target, f64)> =
+        children.into_iter().map(|child| child.target).zip(weights).filter(|(_, weight)| *weight > 0.0).collect();
     if total < 1.0 {
         let mut black = draft.beside(PluginClass::Bsdf, "diffuse");
         black.set_default("reflectance", Value::Rgb([0.0; 3]));
-        let location = draft.location.clone();
-        children.push(DraftChild { name: String::new(), target: Target::Plugin(black), location });
-        weights.push(1.0 - total);
+        parts.push((Target::Plugin(black), 1.0 - total));
     }
-    Ok(blend(draft, children, &weights))
+    Ok(blend(&draft, parts).map_or(Outcome::Nothing, Outcome::Instead))
 }
 
-/// One blend in the next: each adds a bsdf to the mixture of those before it.
-fn blend(draft: Draft, children: Vec<DraftChild>, weights: &[f64]) -> Outcome {
-    let mut mixed: Option<Target> = None;
-    let mut sum = 0.0;
-    for (child, weight) in children.into_iter().zip(weights).filter(|(_, weight)| **weight > 0.0) {
-        sum += weight;
-        mixed = Some(match mixed {
-            None => child.target,
-            Some(before) => {
-                let mut blend = draft.beside(PluginClass::Bsdf, "blendbsdf");
-                blend.set_default("weight", Value::Float(weight / sum));
-                for target in [before, child.target] {
-                    let location = draft.location.clone();
-                    blend.children.push(DraftChild { name: String::new(), target, location });
-                }
-                Target::Plugin(blend)
-            }
-        });
+/// Blends of halves, so that even many bsdfs do not nest deep.
+fn blend(draft: &Draft, mut parts: Vec<(Target, f64)>) -> Option<Target> {
+    if parts.len() < 2 {
+        return parts.pop().map(|(target, _)| target);
     }
-    mixed.map_or(Outcome::Nothing, Outcome::Instead)
+    let second = parts.split_off(parts.len().div_ceil(2));
+    let weight = |parts: &[(Target, f64)]| parts.iter().map(|(_, weight)| weight).sum::<f64>();
+    let share = weight(&second) / (weight(&parts) + weight(&second));
+    let mut blend_of_both = draft.beside(PluginClass::Bsdf, "blendbsdf");
+    blend_of_both.set_default("weight", Value::Float(share));
+    for target in [blend(draft, parts)?, blend(draft, second)?] {
+        let location = draft.location.clone();
+        blend_of_both.children.push(DraftChild { name: String::new(), target, location });
+    }
+    Some(Target::Plugin(blend_of_both))
 }

@@ -86,7 +86,10 @@ impl Translation {
                 Outcome::Instead(target) => self.in_place_of(&id, target, &child.location),
                 Outcome::Value(value) => {
                     self.gone.insert(id, Some(value.clone()));
-                    parent.parameters.push(Parameter { name: child.name, value, location: child.location });
+                    // A texture directly in the scene only waits for references.
+                    if !child.name.is_empty() {
+                        parent.parameters.push(Parameter { name: child.name, value, location: child.location });
+                    }
                     continue;
                 }
                 Outcome::Nothing => {
