@@ -221,10 +221,6 @@ fn hostile_old_scenes_are_refused() {
             "entity bomb",
             "<!DOCTYPE s [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><scene version='0.5.0'>&b;</scene>".to_owned(),
         ),
-        (
-            "deep unknown tags",
-            format!("<scene version='0.5.0'>{}{}</scene>", "<hide>".repeat(100_000), "</hide>".repeat(100_000)),
-        ),
         ("references that double", format!("<scene version='0.5.0'><bsdf type='diffuse' id='b0'/>{doubling}</scene>")),
         ("an include of itself", "<scene version='0.5.0'><include filename='room.xml'/></scene>".to_owned()),
         ("cut short", "<scene version='0.5.0'><shape type='cu".to_owned()),
@@ -237,6 +233,9 @@ fn hostile_old_scenes_are_refused() {
         }
     }
     insta::assert_snapshot!(report);
+    // What is passed over may be deep.
+    let hidden = format!("<scene version='0.5.0'>{}{}</scene>", "<hide>".repeat(100_000), "</hide>".repeat(100_000));
+    assert!(load_bytes("room.xml", hidden.as_bytes(), &[]).is_ok_and(|scene| scene.notices.len() == 1));
 }
 
 /// Whatever is cut out of an old scene or repeated in it, reading ends, with a scene or an error.

@@ -203,8 +203,7 @@ fn plain_value(value: &Json, place: &Location) -> Result<Value, SceneError> {
 
 /// The product of a list of steps, each applied after the one before.
 fn steps(items: &[Json], place: &Location) -> Result<Value, SceneError> {
-    // A matrix alone keeps its bits: multiplying it would turn -0 into 0.
-    let mut matrix: Option<DMat4> = None;
+    let mut matrix = DMat4::IDENTITY;
     for (index, item) in items.iter().enumerate() {
         let place = below(place, &index.to_string());
         let Json::Object(entries) = item else { continue };
@@ -213,9 +212,10 @@ fn steps(items: &[Json], place: &Location) -> Result<Value, SceneError> {
             return Err(SceneError::new(&place, problem, "write one step per dictionary: {\"translate\": [0, 1, 0]}"));
         };
         let after = step(name, argument).map_err(|(problem, remedy)| SceneError::new(&place, problem, remedy))?;
-        matrix = Some(matrix.map_or(after, |matrix| after * matrix));
+        // A matrix alone keeps its bits: multiplying it would turn -0 into 0.
+        matrix = if items.len() == 1 && name == "matrix" { after } else { after * matrix };
     }
-    Ok(Value::Transform(matrix.unwrap_or(DMat4::IDENTITY)))
+    Ok(Value::Transform(matrix))
 }
 
 /// The problem and the remedy of a step that cannot be read.

@@ -3,7 +3,6 @@
 use super::super::super::description::{PluginClass, Value};
 use super::super::super::error::SceneError;
 use super::super::draft::{Draft, Target};
-use super::super::report::Notice;
 use super::{Outcome, Translation};
 
 /// `ldrfilm`: pictures are linear here, and PNG files are sRGB whatever the film says.
@@ -57,8 +56,8 @@ pub(super) fn photons(mut draft: Draft, _: &mut Translation) -> Result<Outcome, 
 pub(super) fn other_method(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
     draft.take("shadowMapResolution");
     draft.take("clamping");
-    let explanation = format!("\"{}\" takes its place, which converges to the same picture", draft.plugin);
-    translation.approximated(&draft, "this integrator, which has no counterpart,", explanation);
+    let subject = format!("integrator \"{}\"", draft.plugin);
+    translation.approximated(&draft, subject, "a method that finds the same light takes its place");
     Ok(Outcome::Plugin(draft))
 }
 
@@ -72,13 +71,14 @@ pub(super) fn inner_method(mut draft: Draft, translation: &mut Translation) -> R
     let Some(inner) = inner.map(|index| draft.children.remove(index).target) else {
         return no_method(draft, translation);
     };
-    translation.approximated(&draft, "this integrator, which has no counterpart,", "the one inside takes its place");
+    let subject = format!("integrator \"{}\"", draft.plugin);
+    translation.approximated(&draft, subject, "the one inside takes its place");
     Ok(Outcome::Instead(inner))
 }
 
 /// An integrator that computes something else than pictures of light.
 pub(super) fn no_method(draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
-    let subject = "this integrator, which has no counterpart,";
-    translation.notices.push(Notice::ignored(&draft.location, subject, "the default method renders the scene"));
+    let subject = format!("integrator \"{}\"", draft.plugin);
+    translation.ignored(&draft, subject, "it has no counterpart: the default method renders the scene");
     Ok(Outcome::Nothing)
 }

@@ -43,7 +43,7 @@ pub(super) fn sun(mut draft: Draft, translation: &mut Translation) -> Result<Out
 
 /// A shape or an emitter that nothing corresponds to.
 pub(super) fn without_counterpart(draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
-    let subject = format!("this {}, which has no counterpart,", draft.class.tag());
-    translation.ignored(&draft, subject, "the scene is rendered without it");
+    let subject = format!("{} \"{}\"", draft.class.tag(), draft.plugin);
+    translation.ignored(&draft, subject, "it has no counterpart: the scene is rendered without it");
     Ok(Outcome::Nothing)
 }

@@ -33,7 +33,8 @@ pub(super) fn rough_diffuse(mut draft: Draft, translation: &mut Translation) -> 
 pub(super) fn stand_in(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
     draft.parameters.clear();
     draft.children.clear();
-    translation.approximated(&draft, "this bsdf, which has no counterpart,", "a diffuse grey of 0.5 takes its place");
+    let subject = format!("bsdf \"{}\"", draft.plugin);
+    translation.approximated(&draft, subject, "a diffuse grey of 0.5 takes its place");
     Ok(Outcome::Plugin(draft))
 }
 

@@ -57,7 +57,12 @@ pub(super) fn translate(reading: Reading, version: Version, old: Old) -> Result<
     let gone = old.passed_over.into_iter().map(|id| (id, None)).collect();
     let mut translation = Translation { version, notices, aliases, gone, media: old.media };
     translation.children(&mut root)?;
-    let Translation { notices, mut aliases, gone, .. } = translation;
+    let Translation { mut notices, mut aliases, gone, .. } = translation;
+    // In the order of the files, whichever step found what.
+    notices.sort_by_key(|notice| {
+        let file = includes.iter().position(|(name, _)| *name == notice.location.file);
+        (file, notice.location.line)
+    });
     aliases.retain(|alias| !gone.contains_key(&alias.known));
     remove_references(&mut root, &gone);
     Ok(Reading { root, aliases, includes, notices })
@@ -115,8 +120,11 @@ impl Translation {
         };
         self.rename(&mut draft, rule);
         self.children(&mut draft)?;
-        draft.plugin = rule.new.to_owned();
-        (rule.change)(draft, self)
+        let mut outcome = (rule.change)(draft, self)?;
+        if let Outcome::Plugin(draft) = &mut outcome {
+            draft.plugin = rule.new.to_owned();
+        }
+        Ok(outcome)
     }
 
     /// Gives parameters and slots their new names. Those that the rule uses itself keep the old ones.
@@ -162,7 +170,7 @@ impl Translation {
         target
     }
 
-    /// Tells that something took the place of `draft`.
+    /// Tells that something took the place of `draft`, or of its part `subject`.
     fn approximated(&mut self, draft: &Draft, subject: impl Into<String>, explanation: impl Into<String>) {
         self.notices.push(Notice::approximated(&draft.location, subject, explanation));
     }
