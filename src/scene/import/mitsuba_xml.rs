@@ -14,19 +14,13 @@ use super::report::Notice;
 use super::substitution::Parameters;
 use super::values::{self, Refusal, shown};
 use super::xml_element::{Attributes, File, step_matrix};
+use super::xml_tags::{OTHER_TAGS, STEP_TAGS, VALUE_TAGS, unknown_tag};
 use super::{DEPTH_LIMIT, plugins};
 
 /// How deep files may include files, as in Mitsuba.
 const INCLUDE_DEPTH_LIMIT: usize = 15;
 /// How many files a scene may include in all.
 const INCLUDE_LIMIT: usize = 1000;
-
-pub(super) const VALUE_TAGS: [&str; 9] =
-    ["integer", "float", "boolean", "string", "rgb", "spectrum", "point", "vector", "transform"];
-pub(super) const OTHER_TAGS: [&str; 4] = ["ref", "default", "include", "alias"];
-const STEP_TAGS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];
-/// Tags of Mitsuba that mean something photonfarm cannot do.
-const UNSUPPORTED_TAGS: [&str; 5] = ["medium", "phase", "volume", "path", "animation"];
 
 /// Reads a scene file and everything that it includes from `bundle`.
 pub(super) fn read(
@@ -94,7 +88,7 @@ pub(super) struct Reader<'a> {
     pub(super) bundle: &'a Bundle,
     parameters: Parameters,
     aliases: Vec<Alias>,
-    pub(super) includes: Vec<(String, Location)>,
+    includes: Vec<(String, Location)>,
     /// The files that are being read, each included by the one before.
     open: Vec<String>,
     pub(super) notices: Vec<Notice>,
@@ -339,6 +333,16 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Remembers a file that is read on the way.
+    pub(super) fn register_file(&mut self, name: &str, location: &Location) -> Result<(), SceneError> {
+        if self.includes.len() >= INCLUDE_LIMIT {
+            let problem = format!("the scene includes more than {INCLUDE_LIMIT} files");
+            return Err(SceneError::new(location, problem, "merge some of them"));
+        }
+        self.includes.push((name.to_owned(), location.clone()));
+        Ok(())
+    }
+
     fn include(&mut self, name: &str, location: &Location, depth: usize, scope: &mut Scope) -> Result<(), SceneError> {
         if self.open.iter().any(|open| open == name) {
             let problem = format!("file \"{name}\" includes itself");
@@ -348,16 +352,12 @@ impl Reader<'_> {
             let problem = format!("files include files more than {INCLUDE_DEPTH_LIMIT} deep");
             return Err(SceneError::new(location, problem, "include the innermost files directly"));
         }
-        if self.includes.len() >= INCLUDE_LIMIT {
-            let problem = format!("the scene includes more than {INCLUDE_LIMIT} files");
-            return Err(SceneError::new(location, problem, "merge some of them"));
-        }
+        self.register_file(name, location)?;
         let bytes = self.bundle.read(name, location)?;
         let start = Location { file: name.to_owned(), line: 0, path: location.path.clone() };
         let text = File::text(&bytes, &start)?;
         let document = File::parse(text, &start)?;
         let file = File::new(name, text);
-        self.includes.push((name.to_owned(), location.clone()));
         self.open.push(name.to_owned());
         let root = document.root_element();
         if root.tag_name().name() == "scene" {
@@ -379,17 +379,4 @@ impl Reader<'_> {
 pub(super) fn parameter_path(element: Node<'_, '_>, scope: &Scope) -> String {
     let name = element.attribute("name").unwrap_or(element.tag_name().name());
     format!("{}/{name}", scope.draft.location.path)
-}
-
-pub(super) fn unknown_tag(place: &Location, tag: &str) -> SceneError {
-    let shown_tag: String = tag.chars().take(60).collect();
-    if UNSUPPORTED_TAGS.contains(&tag) {
-        return SceneError::new(place, format!("<{shown_tag}> is not supported"), "remove it");
-    }
-    if STEP_TAGS.contains(&tag) {
-        let problem = format!("<{shown_tag}> stands outside of a transform");
-        return SceneError::new(place, problem, "put it into <transform name=\"to_world\">");
-    }
-    let known: Vec<&str> = plugins::tags().chain(VALUE_TAGS).chain(OTHER_TAGS).collect();
-    SceneError::new(place, format!("there is no tag <{shown_tag}>"), nearest_name(tag, &known))
 }

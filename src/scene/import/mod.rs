@@ -19,6 +19,7 @@ mod substitution;
 mod transform;
 mod values;
 mod xml_element;
+mod xml_tags;
 
 use std::collections::HashSet;
 use std::path::Path;

@@ -59,10 +59,8 @@ pub(super) fn translate(reading: Reading, version: Version, old: Old) -> Result<
     translation.children(&mut root)?;
     let Translation { mut notices, mut aliases, gone, .. } = translation;
     // In the order of the files, whichever step found what.
-    notices.sort_by_key(|notice| {
-        let file = includes.iter().position(|(name, _)| *name == notice.location.file);
-        (file, notice.location.line)
-    });
+    let files: BTreeMap<&str, usize> = includes.iter().map(|(name, _)| name.as_str()).zip(0..).collect();
+    notices.sort_by_key(|notice| (files.get(notice.location.file.as_str()).copied(), notice.location.line));
     aliases.retain(|alias| !gone.contains_key(&alias.known));
     remove_references(&mut root, &gone);
     Ok(Reading { root, aliases, includes, notices })

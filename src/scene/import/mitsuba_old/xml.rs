@@ -5,10 +5,11 @@ use roxmltree::Node;
 
 use super::super::super::description::{Parameter, PluginClass, Value};
 use super::super::super::error::{SceneError, closest_name};
-use super::super::mitsuba_xml::{OTHER_TAGS, Reader, Scope, VALUE_TAGS, parameter_path, unknown_tag};
+use super::super::mitsuba_xml::{Reader, Scope, parameter_path};
 use super::super::report::Notice;
 use super::super::transform;
 use super::super::xml_element::{Attributes, File};
+use super::super::xml_tags::{OTHER_TAGS, VALUE_TAGS, unknown_tag};
 use super::super::{plugins, values};
 use super::color;
 
@@ -53,7 +54,7 @@ impl Reader<'_> {
         self.refuse_contents(file, element, &path)?;
         let bundle = self.bundle;
         let color = color::read(tag, &attributes, &place, |name| {
-            self.includes.push((name.to_owned(), place.clone()));
+            self.register_file(name, &place)?;
             bundle.read(name, &place)
         })?;
         if color.from_spectrum {
