@@ -133,3 +133,63 @@ fn an_absent_coordinator_is_told_with_the_remedy() {
 fn an_id_that_leads_elsewhere_is_refused() {
     assert!(failure(&run(&["cancel", "../workers", "--coordinator", NOBODY]), 3).contains("not a job's id"));
 }
+
+const OLD_SCENE: &str = "<scene version='0.5.0'><mode type='final'/><integrator type='sppm'/>\
+    <sensor type='perspective'><film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/>\
+    <rfilter type='box'/></film></sensor><shape type='obj'><string name='filename' value='parts/a.obj'/></shape>\
+    <emitter type='constant'/></scene>";
+
+fn old_scene(folder: &Path) -> String {
+    std::fs::create_dir(folder.join("parts")).expect("creates");
+    std::fs::write(folder.join("parts/a.obj"), "v -9 -9 3\nv 9 -9 3\nv 0 9 3\nf 1 3 2\n").expect("writes");
+    std::fs::write(folder.join("old.xml"), OLD_SCENE).expect("writes");
+    folder.join("old.xml").to_string_lossy().into_owned()
+}
+
+#[test]
+fn scene_check_tells_what_a_scene_contains_and_what_was_left_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    let output = run(&["scene", "check", &scene]);
+    let text = stdout(&output);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for line in
+        ["method     sppm", "picture    8 × 8 pixels", "shapes     1: 1 obj", "primitives 1", "the <mode> is ignored"]
+    {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+    let document: serde_json::Value =
+        serde_json::from_slice(&run(&["scene", "check", &scene, "--json"]).stdout).expect("JSON");
+    assert_eq!(document["contents"]["shapes"]["obj"], 1);
+    assert_eq!(document["import_report"][0]["treatment"], "ignored");
+}
+
+#[test]
+fn scene_check_fails_on_what_cannot_be_rendered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    std::fs::remove_file(folder.path().join("parts/a.obj")).expect("removes");
+    let stderr = failure(&run(&["scene", "check", &scene]), 3);
+    assert!(stderr.contains("parts/a.obj") && stderr.contains("old.xml:1"), "{stderr}");
+    assert!(failure(&run(&["scene", "check", "no-such.xml"]), 5).contains("no-such.xml"));
+}
+
+#[test]
+fn import_writes_the_native_form_and_its_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    let target = |name: &str| folder.path().join("new").join(name).to_string_lossy().into_owned();
+    std::fs::create_dir(folder.path().join("new")).expect("creates");
+    let output = run(&["import", &scene, "-o", &target("scene.json"), "--report", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(report[0]["subject"], "the <mode>");
+    assert!(run(&["scene", "check", &target("scene.json")]).status.success());
+    assert!(run(&["import", &scene, "-o", &target("scene.zip")]).status.success());
+    assert!(run(&["scene", "check", &target("scene.zip")]).status.success());
+    // Once more changes nothing, but a file of the same name is not overwritten.
+    assert!(run(&["import", &scene, "-o", &target("scene.json")]).status.success());
+    std::fs::write(target("parts/a.obj"), "v 0 0 0\n").expect("writes");
+    assert!(failure(&run(&["import", &scene, "-o", &target("scene.json")]), 5).contains("other contents"));
+    assert!(failure(&run(&["import", &scene, "-o", "scene.xml"]), 3).contains(".json or .zip"));
+    failure(&run(&["import", &scene]), 2);
+}

@@ -7,6 +7,7 @@ mod scene_text;
 use std::fmt::Write as _;
 
 use photonfarm::method::{MethodChoice, check};
+use photonfarm::scene::import::load_bytes;
 use scene_text::prepare;
 
 const LIGHT: &str = "<emitter type='point'><point name='position' value='0, 5, 0'/></emitter>";
@@ -281,4 +282,62 @@ fn parameters_that_cannot_be() {
         }
     }
     insta::assert_snapshot!(report);
+}
+
+/// Old scenes that would need more memory or stack than there is, if they were taken at their word.
+#[test]
+fn hostile_old_scenes_are_refused() {
+    let nested = |tag: &str, inner: &str| {
+        let (open, close) = (format!("<bsdf type='{tag}'>").repeat(100_000), "</bsdf>".repeat(100_000));
+        format!("<scene version='0.5.0'>{open}{inner}{close}</scene>")
+    };
+    let doubling: String = (1..40)
+        .map(|level| format!("<bsdf type='coating' id='b{level}'><bsdf type='twosided'><ref id='b{0}'/><ref id='b{0}'/></bsdf></bsdf>", level - 1))
+        .collect();
+    let cases = [
+        ("deep nesting", nested("twosided", "")),
+        ("deep coatings", nested("coating", "<bsdf type='diffuse'/>")),
+        (
+            "entity bomb",
+            "<!DOCTYPE s [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><scene version='0.5.0'>&b;</scene>".to_owned(),
+        ),
+        ("references that double", format!("<scene version='0.5.0'><bsdf type='diffuse' id='b0'/>{doubling}</scene>")),
+        ("an include of itself", "<scene version='0.5.0'><include filename='room.xml'/></scene>".to_owned()),
+        ("cut short", "<scene version='0.5.0'><shape type='cu".to_owned()),
+    ];
+    let mut report = String::new();
+    for (what, text) in cases {
+        match load_bytes("room.xml", text.as_bytes(), &[]) {
+            Ok(_) => panic!("{what} is no error"),
+            Err(error) => writeln!(report, "{what}\n    {error}").unwrap(),
+        }
+    }
+    insta::assert_snapshot!(report);
+    // What is passed over may be deep.
+    let hidden = format!("<scene version='0.5.0'>{}{}</scene>", "<hide>".repeat(100_000), "</hide>".repeat(100_000));
+    assert!(load_bytes("room.xml", hidden.as_bytes(), &[]).is_ok_and(|scene| scene.notices.len() == 1));
+}
+
+/// Whatever is cut out of an old scene or repeated in it, reading ends, with a scene or an error.
+#[test]
+fn damaged_old_scenes_never_panic() {
+    const SCENE: &str = "<scene version='0.4.0'><integrator type='irrcache'><integrator type='mlt'/></integrator>\
+        <bsdf type='mixturebsdf' id='m'><string name='weights' value='0.5 0.2'/><bsdf type='coating'><bsdf type='hk'/></bsdf>\
+        <bsdf type='phong'/></bsdf><texture type='gridtexture' id='g'/><bsdf type='diffuse' id='d'><ref id='g' name='reflectance'/></bsdf>\
+        <shape type='cube'><ref id='m'/><medium id='f'/></shape><shape type='hair' id='h'/><emitter type='sky'/>\
+        <sensor type='perspective'><animation name='toWorld'><transform time='0'><lookat origin='1,2,3' target='0,0,0'/></transform>\
+        </animation><film type='ldrfilm'/></sensor><shape type='sphere'><spectrum name='x' value='400:1,500:2'/></shape></scene>";
+    assert!(load_bytes("room.xml", SCENE.as_bytes(), &[]).is_ok());
+    let words: Vec<&str> = SCENE.split_inclusive(['<', '>', ' ', '\'']).collect();
+    for start in 0..words.len() {
+        for length in [1, 2, 5, 9] {
+            let end = words.len().min(start + length);
+            let without = [&words[..start], &words[end..]].concat().concat();
+            let twice = [&words[..end], &words[start..]].concat().concat();
+            for text in [without, twice] {
+                // Either is fine; a panic is not.
+                let _ = load_bytes("room.xml", text.as_bytes(), &[]);
+            }
+        }
+    }
 }

@@ -66,7 +66,6 @@ fn malformed_scene_files() {
         ("a document type", "<!DOCTYPE scene [<!ENTITY a 'b'>]>\n<scene version='3.0.0'/>"),
         ("another outermost tag", "<shape type='cube'/>"),
         ("no version", "<scene/>"),
-        ("an old version", "<scene version='0.6.0'/>"),
         ("not a version", "<scene version='new'/>"),
     ];
     insta::assert_snapshot!(report(&cases, |text| load_bytes("room", text.as_bytes(), &[])));
@@ -102,6 +101,38 @@ fn malformed_json() {
         ),
     ];
     insta::assert_snapshot!(report(&cases, |text| load_bytes("room.json", text.as_bytes(), &[])));
+}
+
+#[test]
+fn malformed_old_xml() {
+    let cases = [
+        ("misspelled tag", "\n<shpae type='cube'/>"),
+        ("unknown plugin", "<bsdf type='diffus'/>"),
+        ("plugin of Mitsuba 3", "<bsdf type='principled'/>"),
+        ("neither color nor spectrum", "<bsdf type='diffuse'><rgb name='reflectance' value='red'/></bsdf>"),
+        ("spectrum that goes back", "<bsdf type='diffuse'><spectrum name='reflectance' value='700:1, 400:2'/></bsdf>"),
+        ("spectrum in a missing file", "<bsdf type='diffuse'><spectrum name='reflectance' filename='a.spd'/></bsdf>"),
+        ("black body without heat", "<emitter type='constant'><blackbody name='radiance' temperature='0K'/></emitter>"),
+        ("weights that do not match", "<bsdf type='mixturebsdf'><string name='weights' value='1'/></bsdf>"),
+        ("coating of nothing", "<bsdf type='coating'/>"),
+        ("step outside of a transform", "<lookat origin='0,0,1' target='0,0,0'/>"),
+        (
+            "view of nothing",
+            "<sensor type='perspective'><transform name='toWorld'><lookAt origin='0,0,1' target='0,0,1'/></transform></sensor>",
+        ),
+        (
+            "references in a circle",
+            "<bsdf type='twosided' id='a'><ref id='b'/></bsdf><bsdf type='coating' id='b'><ref id='a'/></bsdf>",
+        ),
+        (
+            "coatings in a circle",
+            "<bsdf type='coating' id='a'><ref id='a'/></bsdf><shape type='cube'><ref id='a'/></shape>",
+        ),
+    ];
+    let report = report(&cases, |body| {
+        load_bytes("room.xml", format!("<scene version='0.5.0'>{body}\n</scene>").as_bytes(), &[])
+    });
+    insta::assert_snapshot!(report);
 }
 
 fn place(file: &str) -> Location {

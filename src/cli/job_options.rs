@@ -52,7 +52,8 @@ fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
     Ok((key, value))
 }
 
-fn define(text: &str) -> Result<(String, String), String> {
+/// A name and a value with `=` between.
+pub(super) fn define(text: &str) -> Result<(String, String), String> {
     match text.split_once('=') {
         Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
         _ => Err("write a name, =, and a value".to_owned()),

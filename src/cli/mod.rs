@@ -5,6 +5,7 @@ mod client;
 mod compare;
 mod exit_code;
 mod fetch;
+mod import;
 mod job_options;
 mod jobs;
 mod local_farm;
@@ -13,6 +14,7 @@ mod outputs;
 mod processor;
 mod progress;
 mod render;
+mod scene;
 mod scene_file;
 mod serve;
 mod signals;
@@ -60,6 +62,10 @@ enum Command {
     Jobs(jobs::Jobs),
     /// List the methods with their parameters.
     Methods(methods::Methods),
+    /// Write a scene of any format in the native form.
+    Import(import::Import),
+    /// Look into a scene without rendering it.
+    Scene(scene::Scene),
     /// Measure how far a picture is from a reference.
     Compare(compare::Compare),
 }
@@ -92,6 +98,8 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Cancel(command) => in_runtime(command.run()),
         Command::Jobs(command) => in_runtime(command.run()),
         Command::Methods(command) => command.run(),
+        Command::Import(command) => command.run(),
+        Command::Scene(command) => command.run(),
         Command::Compare(command) => command.run(),
     }
 }

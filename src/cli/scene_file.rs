@@ -13,12 +13,16 @@ use crate::scene::import;
 /// A define of the command line: name and value.
 type Define = (String, String);
 
+/// Fails when the scene file is not there or must not be read, which is no fault of the scene.
+pub(super) fn check_readable(path: &Path) -> Result<(), CliError> {
+    File::open(path).map(drop).map_err(|error| {
+        CliError::File(format!("cannot read \"{}\": {error}; check the name and the permissions", path.display()))
+    })
+}
+
 /// Reads the scene at `path` and everything it refers to, with `defines` written into it.
 pub(super) fn pack(path: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
-    if let Err(error) = File::open(path) {
-        let text = format!("cannot read \"{}\": {error}; check the name and the permissions", path.display());
-        return Err(CliError::File(text));
-    }
+    check_readable(path)?;
     // Packing checks the defines as well: each must be used, and JSON scenes take none.
     let bytes = import::pack(path, defines)?;
     if defines.is_empty() {

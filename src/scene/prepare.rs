@@ -78,7 +78,7 @@ impl Scene {
     pub fn prepare(description: &SceneDescription) -> Result<Self, SceneError> {
         let root = &description.root;
         let mut fields = Fields::new(root);
-        let mut builder = Builder::new(&description.bundle);
+        let mut builder = Builder::new(description);
         for node in fields.children(PluginClass::Shape) {
             builder.add_shape(node)?;
         }
@@ -168,7 +168,8 @@ fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sens
 }
 
 impl<'a> Builder<'a> {
-    fn new(bundle: &'a Bundle) -> Self {
+    fn new(description: &'a SceneDescription) -> Self {
+        let bundle = &description.bundle;
         Self {
             bundle,
             textures: TextureReader::new(bundle),
@@ -178,7 +179,7 @@ impl<'a> Builder<'a> {
             reliefs: Vec::new(),
             material_of_node: HashMap::new(),
             instancing: Instancing::default(),
-            notices: Vec::new(),
+            notices: description.notices.iter().map(ToString::to_string).collect(),
         }
     }
 

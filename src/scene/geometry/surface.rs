@@ -145,6 +145,11 @@ impl Geometry {
         &self.accelerator.primitives()[index as usize]
     }
 
+    /// How many primitives there are: triangles, and analytic shapes as one each.
+    pub fn primitive_count(&self) -> usize {
+        self.info.len()
+    }
+
     /// Smallest and largest coordinates, m.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         (self.low, self.high)

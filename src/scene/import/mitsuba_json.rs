@@ -114,7 +114,7 @@ fn dictionary(
 ) -> Result<(), SceneError> {
     let in_scene = parent.class == PluginClass::Scene;
     // A key that only says what the value is, as in {"bsdf": …}, names no slot. In the scene itself it is the id.
-    let name = if in_scene || plugins::class_of_tag(key).is_some() { String::new() } else { key.to_owned() };
+    let name = if in_scene || says_only_class(key) { String::new() } else { key.to_owned() };
     let plugin = type_of(entries, &place)?;
     match (plugin, plugins::class_of_plugin(plugin)) {
         ("rgb" | "spectrum", _) => {
@@ -145,6 +145,15 @@ fn dictionary(
         (_, None) => return Err(unknown_type(plugin, &place)),
     }
     Ok(())
+}
+
+/// Whether a key is the name of a class, as `bsdf`, or that with a number, as `bsdf_1`.
+fn says_only_class(key: &str) -> bool {
+    let class = match key.rsplit_once('_') {
+        Some((class, number)) if number.parse::<u32>().is_ok() => class,
+        _ => key,
+    };
+    plugins::class_of_tag(class).is_some()
 }
 
 fn unknown_type(plugin: &str, place: &Location) -> SceneError {
@@ -203,7 +212,8 @@ fn steps(items: &[Json], place: &Location) -> Result<Value, SceneError> {
             return Err(SceneError::new(&place, problem, "write one step per dictionary: {\"translate\": [0, 1, 0]}"));
         };
         let after = step(name, argument).map_err(|(problem, remedy)| SceneError::new(&place, problem, remedy))?;
-        matrix = after * matrix;
+        // A matrix alone keeps its bits: multiplying it would turn -0 into 0.
+        matrix = if items.len() == 1 && name == "matrix" { after } else { after * matrix };
     }
     Ok(Value::Transform(matrix))
 }

@@ -1,16 +1,20 @@
-//! Mitsuba 3 scenes in XML.
+//! Mitsuba scenes in XML: those of Mitsuba 3, and with [`mitsuba_old`] those of Mitsuba 0.6 and before.
 
 use std::collections::BTreeMap;
 
+use glam::DMat4;
 use roxmltree::Node;
 
 use super::super::bundle::Bundle;
 use super::super::description::{Parameter, PluginClass, Value};
 use super::super::error::{Location, SceneError, nearest_name};
-use super::draft::{Alias, Draft, DraftChild, Target};
+use super::draft::{Alias, Draft, DraftChild, Reading, Target};
+use super::mitsuba_old::{self, Old, Version};
+use super::report::Notice;
 use super::substitution::Parameters;
 use super::values::{self, Refusal, shown};
 use super::xml_element::{Attributes, File, step_matrix};
+use super::xml_tags::{OTHER_TAGS, STEP_TAGS, VALUE_TAGS, unknown_tag};
 use super::{DEPTH_LIMIT, plugins};
 
 /// How deep files may include files, as in Mitsuba.
@@ -18,25 +22,24 @@ const INCLUDE_DEPTH_LIMIT: usize = 15;
 /// How many files a scene may include in all.
 const INCLUDE_LIMIT: usize = 1000;
 
-const VALUE_TAGS: [&str; 9] =
-    ["integer", "float", "boolean", "string", "rgb", "spectrum", "point", "vector", "transform"];
-const OTHER_TAGS: [&str; 4] = ["ref", "default", "include", "alias"];
-const STEP_TAGS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];
-/// Tags of Mitsuba that mean something photonfarm cannot do.
-const UNSUPPORTED_TAGS: [&str; 5] = ["medium", "phase", "volume", "path", "animation"];
-
-/// The drafts of an XML scene, its aliases, and the files it includes.
-pub(super) type Read = (Draft, Vec<Alias>, Vec<(String, Location)>);
-
 /// Reads a scene file and everything that it includes from `bundle`.
 pub(super) fn read(
     bytes: &[u8],
     location: &Location,
     bundle: &Bundle,
     defines: &[(String, String)],
-) -> Result<Read, SceneError> {
+) -> Result<Reading, SceneError> {
     let parameters = Parameters::new(defines);
-    let mut reader = Reader { bundle, parameters, aliases: Vec::new(), includes: Vec::new(), open: Vec::new() };
+    let mut reader = Reader {
+        bundle,
+        parameters,
+        aliases: Vec::new(),
+        includes: Vec::new(),
+        open: Vec::new(),
+        notices: Vec::new(),
+        version: Version(3, 0),
+        old: Old::default(),
+    };
     let text = File::text(bytes, location)?;
     let document = File::parse(text, location)?;
     let file = File::new(&location.file, text);
@@ -46,16 +49,18 @@ pub(super) fn read(
         return Err(SceneError::new(&file.place(root, ""), problem, "put everything into <scene version=\"3.0.0\">"));
     }
     let mut scope = Scope::new(PluginClass::Scene, "scene", file.place(root, "scene"));
-    reader.check_version(&file, root)?;
+    reader.version = reader.version_of(&file, root)?;
     reader.open.push(location.file.clone());
     reader.contents(&file, root, 0, &mut scope)?;
     reader.parameters.check_all_used(&scope.draft.location)?;
-    Ok((scope.draft, reader.aliases, reader.includes))
+    let Reader { aliases, includes, notices, version, old, .. } = reader;
+    let reading = Reading { root: scope.draft, aliases, includes, notices };
+    if version.is_old() { mitsuba_old::translate(reading, version, old) } else { Ok(reading) }
 }
 
 /// A plugin that is being read.
-struct Scope {
-    draft: Draft,
+pub(super) struct Scope {
+    pub(super) draft: Draft,
     /// How many children of each tag there have been, for their paths.
     counts: BTreeMap<String, usize>,
 }
@@ -79,35 +84,32 @@ fn refused(place: &Location, tag: &str, (problem, remedy): Refusal) -> SceneErro
     SceneError::new(place, format!("<{tag}>: {problem}"), remedy)
 }
 
-struct Reader<'a> {
-    bundle: &'a Bundle,
+pub(super) struct Reader<'a> {
+    pub(super) bundle: &'a Bundle,
     parameters: Parameters,
     aliases: Vec<Alias>,
     includes: Vec<(String, Location)>,
     /// The files that are being read, each included by the one before.
     open: Vec<String>,
+    pub(super) notices: Vec<Notice>,
+    /// The scene file's.
+    version: Version,
+    /// What reading leaves to the translation of an old scene.
+    pub(super) old: Old,
 }
 
 impl Reader<'_> {
-    fn check_version(&mut self, file: &File<'_>, scene: Node<'_, '_>) -> Result<(), SceneError> {
+    fn version_of(&mut self, file: &File<'_>, scene: Node<'_, '_>) -> Result<Version, SceneError> {
         let place = file.place(scene, "scene");
         let attributes = self.attributes(file, scene, "scene", &["version"], &["id"])?;
         let version = attributes.text("version");
-        match version.split('.').next().and_then(|major| major.trim().parse::<u32>().ok()) {
-            Some(2..) => Ok(()),
-            Some(_) => {
-                let remedy = "convert it to Mitsuba 3, whose names are different (int_ior instead of intIOR)";
-                Err(SceneError::new(&place, format!("the scene is written for Mitsuba {}", shown(version)), remedy))
-            }
-            None => {
-                let problem = format!("{} is not a version", shown(version));
-                Err(SceneError::new(&place, problem, "write version=\"3.0.0\""))
-            }
-        }
+        Version::parse(version).ok_or_else(|| {
+            SceneError::new(&place, format!("{} is not a version", shown(version)), "write version=\"3.0.0\"")
+        })
     }
 
     /// The attributes of `element`: all of `required`, perhaps some of `optional`, and no others.
-    fn attributes<'n>(
+    pub(super) fn attributes<'n>(
         &mut self,
         file: &File<'_>,
         element: Node<'n, '_>,
@@ -163,7 +165,7 @@ impl Reader<'_> {
     }
 
     /// Fails when something stands inside an element that holds nothing.
-    fn refuse_contents(&self, file: &File<'_>, element: Node<'_, '_>, path: &str) -> Result<(), SceneError> {
+    pub(super) fn refuse_contents(&self, file: &File<'_>, element: Node<'_, '_>, path: &str) -> Result<(), SceneError> {
         match element.children().find(Node::is_element) {
             Some(child) => {
                 let problem = format!("<{}> cannot hold a <{}>", element.tag_name().name(), child.tag_name().name());
@@ -186,12 +188,15 @@ impl Reader<'_> {
             let problem = format!("tags nest more than {DEPTH_LIMIT} deep");
             return Err(SceneError::new(&place, problem, "flatten the scene"));
         }
-        match plugins::class_of_tag(tag) {
+        let old = self.version.is_old();
+        match if old { mitsuba_old::class_of_tag(tag) } else { plugins::class_of_tag(tag) } {
             Some(PluginClass::Scene) => Err(SceneError::new(&place, "a <scene> inside a scene", "use <include>")),
             Some(class) => self.plugin(file, element, depth, class, scope),
+            None if old && mitsuba_old::COLOR_TAGS.contains(&tag) => self.old_child(file, element, scope),
             None if tag == "transform" => self.transform(file, element, scope),
             None if VALUE_TAGS.contains(&tag) => self.value(file, element, scope),
             None if OTHER_TAGS.contains(&tag) => self.other(file, element, depth, scope),
+            None if old && !STEP_TAGS.contains(&tag) => self.old_child(file, element, scope),
             None => Err(unknown_tag(&place, tag)),
         }
     }
@@ -250,23 +255,30 @@ impl Reader<'_> {
     fn transform(&mut self, file: &File<'_>, element: Node<'_, '_>, scope: &mut Scope) -> Result<(), SceneError> {
         let path = parameter_path(element, scope);
         let attributes = self.attributes(file, element, &path, &["name"], &[])?;
-        let mut matrix = glam::DMat4::IDENTITY;
-        for child in element.children() {
-            if child.is_element() {
-                matrix = self.step(file, child, &path)? * matrix;
-            } else {
-                self.refuse_text(file, child, &path)?;
-            }
-        }
+        let matrix = self.steps(file, element, &path)?;
         let (name, value) = (attributes.text("name").to_owned(), Value::Transform(matrix));
         scope.draft.parameters.push(Parameter { name, value, location: file.place(element, path) });
         Ok(())
     }
 
-    fn step(&mut self, file: &File<'_>, element: Node<'_, '_>, path: &str) -> Result<glam::DMat4, SceneError> {
+    /// The product of the steps in a `<transform>`, each applied after the one before.
+    pub(super) fn steps(&mut self, file: &File<'_>, element: Node<'_, '_>, path: &str) -> Result<DMat4, SceneError> {
+        let mut matrix = DMat4::IDENTITY;
+        for child in element.children() {
+            if child.is_element() {
+                matrix = self.step(file, child, path)? * matrix;
+            } else {
+                self.refuse_text(file, child, path)?;
+            }
+        }
+        Ok(matrix)
+    }
+
+    fn step(&mut self, file: &File<'_>, element: Node<'_, '_>, path: &str) -> Result<DMat4, SceneError> {
         let tag = element.tag_name().name();
         let place = file.place(element, path);
         let (required, optional): (&[&str], &[&str]) = match tag {
+            "lookat" | "lookAt" if self.version.is_old() => return self.old_look_at(file, element, path),
             "translate" | "scale" => (&[], &["value", "x", "y", "z"]),
             "rotate" => (&["angle"], &["value", "x", "y", "z"]),
             "lookat" => (&["origin", "target", "up"], &[]),
@@ -321,6 +333,16 @@ impl Reader<'_> {
         Ok(())
     }
 
+    /// Remembers a file that is read on the way.
+    pub(super) fn register_file(&mut self, name: &str, location: &Location) -> Result<(), SceneError> {
+        if self.includes.len() >= INCLUDE_LIMIT {
+            let problem = format!("the scene includes more than {INCLUDE_LIMIT} files");
+            return Err(SceneError::new(location, problem, "merge some of them"));
+        }
+        self.includes.push((name.to_owned(), location.clone()));
+        Ok(())
+    }
+
     fn include(&mut self, name: &str, location: &Location, depth: usize, scope: &mut Scope) -> Result<(), SceneError> {
         if self.open.iter().any(|open| open == name) {
             let problem = format!("file \"{name}\" includes itself");
@@ -330,20 +352,20 @@ impl Reader<'_> {
             let problem = format!("files include files more than {INCLUDE_DEPTH_LIMIT} deep");
             return Err(SceneError::new(location, problem, "include the innermost files directly"));
         }
-        if self.includes.len() >= INCLUDE_LIMIT {
-            let problem = format!("the scene includes more than {INCLUDE_LIMIT} files");
-            return Err(SceneError::new(location, problem, "merge some of them"));
-        }
+        self.register_file(name, location)?;
         let bytes = self.bundle.read(name, location)?;
         let start = Location { file: name.to_owned(), line: 0, path: location.path.clone() };
         let text = File::text(&bytes, &start)?;
         let document = File::parse(text, &start)?;
         let file = File::new(name, text);
-        self.includes.push((name.to_owned(), location.clone()));
         self.open.push(name.to_owned());
         let root = document.root_element();
         if root.tag_name().name() == "scene" {
-            self.check_version(&file, root)?;
+            let version = self.version_of(&file, root)?;
+            if version.is_old() != self.version.is_old() {
+                let problem = "scenes of Mitsuba 3 and of Mitsuba 0.6 or before include each other";
+                return Err(SceneError::new(location, problem, "convert one of them with photonfarm import"));
+            }
             self.contents(&file, root, depth, scope)?;
         } else {
             self.child(&file, root, depth, scope)?;
@@ -354,20 +376,7 @@ impl Reader<'_> {
 }
 
 /// The path of a parameter: its plugin's path and its name, if it has one.
-fn parameter_path(element: Node<'_, '_>, scope: &Scope) -> String {
+pub(super) fn parameter_path(element: Node<'_, '_>, scope: &Scope) -> String {
     let name = element.attribute("name").unwrap_or(element.tag_name().name());
     format!("{}/{name}", scope.draft.location.path)
-}
-
-fn unknown_tag(place: &Location, tag: &str) -> SceneError {
-    let shown_tag: String = tag.chars().take(60).collect();
-    if UNSUPPORTED_TAGS.contains(&tag) {
-        return SceneError::new(place, format!("<{shown_tag}> is not supported"), "remove it");
-    }
-    if STEP_TAGS.contains(&tag) {
-        let problem = format!("<{shown_tag}> stands outside of a transform");
-        return SceneError::new(place, problem, "put it into <transform name=\"to_world\">");
-    }
-    let known: Vec<&str> = plugins::tags().chain(VALUE_TAGS).chain(OTHER_TAGS).collect();
-    SceneError::new(place, format!("there is no tag <{shown_tag}>"), nearest_name(tag, &known))
 }

@@ -2,27 +2,33 @@
 //!
 //! A format's reader makes `draft` nodes: plugins as they stand in the file, with references by id. `resolve` turns the
 //! drafts of every format into the description tree. `values` and `transform` hold what the formats' values mean,
-//! `plugins` the names of all plugins, and `pack` makes the bytes that travel over HTTP.
+//! `plugins` the names of all plugins. `pack` makes the bytes that travel over HTTP, [`native`] writes a description as JSON,
+//! and [`report`] is what an import could not represent.
 
 mod draft;
 mod json_text;
 mod mitsuba_json;
+mod mitsuba_old;
 mod mitsuba_xml;
+pub mod native;
 mod pack;
 mod plugins;
+pub mod report;
 mod resolve;
 mod substitution;
 mod transform;
 mod values;
 mod xml_element;
+mod xml_tags;
 
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
 use super::bundle::{Bundle, read_file};
-use super::description::SceneDescription;
+use super::description::{Node, SceneDescription, Value};
 use super::error::{Location, SceneError};
-use draft::Draft;
+use draft::Reading;
 
 pub use pack::pack;
 
@@ -88,17 +94,17 @@ impl Source {
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
-        let (root, aliases, includes) = match format(&self.text, &location)? {
+        let reading = match format(&self.text, &location)? {
             Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
-            Format::Json => (mitsuba_json::read(&self.text, &location, defines)?, Vec::new(), Vec::new()),
+            Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
             Format::Zip => {
                 return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
             }
         };
-        let mut files = includes;
-        collect_file_names(&root, &mut files);
+        let Reading { root, aliases, includes: mut files, notices } = reading;
         let root = resolve::resolve(&root, &aliases)?;
-        Ok(Imported { description: SceneDescription { root, bundle: self.bundle.clone() }, files })
+        collect_file_names(&root, &mut HashSet::new(), &mut files);
+        Ok(Imported { description: SceneDescription { root, bundle: self.bundle.clone(), notices }, files })
     }
 }
 
@@ -156,16 +162,16 @@ fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String
     }
 }
 
-/// Every string parameter called `filename`, with its place.
-fn collect_file_names(draft: &Draft, files: &mut Vec<(String, Location)>) {
-    for parameter in &draft.parameters {
-        if let (super::description::Value::String(name), "filename") = (&parameter.value, parameter.name.as_str()) {
+/// Every string parameter called `filename` below `node`, with its place; shared plugins once.
+fn collect_file_names(node: &Node, seen: &mut HashSet<*const Node>, files: &mut Vec<(String, Location)>) {
+    for parameter in &node.parameters {
+        if let (Value::String(name), "filename") = (&parameter.value, parameter.name.as_str()) {
             files.push((name.clone(), parameter.location.clone()));
         }
     }
-    for child in &draft.children {
-        if let draft::Target::Plugin(plugin) = &child.target {
-            collect_file_names(plugin, files);
+    for child in &node.children {
+        if seen.insert(Arc::as_ptr(&child.node)) {
+            collect_file_names(&child.node, seen, files);
         }
     }
 }

@@ -61,7 +61,8 @@ fn name_in_archive(
     Ok(name.to_owned())
 }
 
-fn write_zip(files: &BTreeMap<String, Arc<[u8]>>) -> zip::result::ZipResult<Vec<u8>> {
+/// A zip archive whose bytes depend on the files' names and contents only.
+pub(super) fn write_zip(files: &BTreeMap<String, Arc<[u8]>>) -> zip::result::ZipResult<Vec<u8>> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())

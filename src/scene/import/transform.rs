@@ -43,6 +43,12 @@ pub(super) fn look_at(origin: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Resul
     Ok(DMat4::from_cols(left.extend(0.0), up.extend(0.0), direction.extend(0.0), origin.extend(1.0)))
 }
 
+/// Some direction across the view from `origin` to `target`, for a view whose turn about its own axis is left open.
+pub(super) fn any_up(origin: [f64; 3], target: [f64; 3]) -> [f64; 3] {
+    let direction = DVec3::from_array(target) - DVec3::from_array(origin);
+    direction.try_normalize().map_or(DVec3::Y, DVec3::any_orthonormal_vector).to_array()
+}
+
 /// A matrix of 16 numbers row by row, or of 9 for its upper left part.
 ///
 /// # Errors

@@ -80,7 +80,7 @@ pub(super) fn spectrum(text: &str) -> Result<Value, Refusal> {
 /// What to write instead of a spectrum.
 pub(super) const SPECTRUM_REMEDY: &str = "give the color as rgb, or a single number for all wavelengths";
 
-/// IEC 61966-2-1.
-fn linear_from_srgb(encoded: f64) -> f64 {
+/// The linear value of an encoded one: IEC 61966-2-1.
+pub(super) fn linear_from_srgb(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
 }

@@ -1,0 +1,90 @@
+//! Spectra as colors: what Mitsuba's RGB mode makes of them.
+
+/// The visible range over which spectra are integrated, nm.
+const VISIBLE: std::ops::Range<u32> = 360..831;
+
+/// Linear Rec. 709 of a spectral density over wavelength in nm, with the scale on which a constant 1 has luminance 1.
+/// Negative channels of colors outside the gamut become 0, as in Mitsuba.
+pub(super) fn to_rgb(density: impl Fn(f64) -> f64) -> [f64; 3] {
+    let mut xyz = [0.0; 3];
+    let mut luminance_of_one = 0.0;
+    for wavelength in VISIBLE.map(f64::from) {
+        let matching = color_matching(wavelength);
+        let value = density(wavelength);
+        for (sum, weight) in xyz.iter_mut().zip(matching) {
+            *sum += value * weight;
+        }
+        luminance_of_one += matching[1];
+    }
+    let [x, y, z] = xyz.map(|sum| sum / luminance_of_one);
+    let rgb = [
+        3.240479 * x - 1.537150 * y - 0.498535 * z,
+        -0.969256 * x + 1.875991 * y + 0.041556 * z,
+        0.055648 * x - 0.204043 * y + 1.057311 * z,
+    ];
+    rgb.map(|channel| channel.max(0.0))
+}
+
+/// The CIE 1931 2° color matching functions as sums of Gaussians (Wyman, Sloan and Shirley 2013), within 1 % of the
+/// tables' peaks.
+fn color_matching(wavelength: f64) -> [f64; 3] {
+    let lobe = |height: f64, center: f64, below: f64, above: f64| {
+        let deviation = (wavelength - center) / if wavelength < center { below } else { above };
+        height * libm::exp(-0.5 * deviation * deviation)
+    };
+    [
+        lobe(1.056, 599.8, 37.9, 31.0) + lobe(0.362, 442.0, 16.0, 26.7) + lobe(-0.065, 501.1, 20.4, 26.2),
+        lobe(0.821, 568.8, 46.9, 40.5) + lobe(0.286, 530.9, 16.3, 31.1),
+        lobe(1.217, 437.0, 11.8, 36.0) + lobe(0.681, 459.0, 26.0, 13.8),
+    ]
+}
+
+/// Linear interpolation between points of increasing wavelength; 0 outside.
+pub(super) fn interpolate(points: &[(f64, f64)], wavelength: f64) -> f64 {
+    let after = points.partition_point(|(position, _)| *position <= wavelength);
+    match (after.checked_sub(1).map(|before| points[before]), points.get(after)) {
+        (Some((start, low)), Some(&(end, high))) => low + (high - low) * (wavelength - start) / (end - start),
+        (Some((last, value)), None) if last == wavelength => value,
+        _ => 0.0,
+    }
+}
+
+/// Planck's law: W·m⁻²·sr⁻¹·nm⁻¹ at a wavelength in nm and a temperature in K.
+pub(super) fn black_body(wavelength: f64, temperature: f64) -> f64 {
+    const LIGHT: f64 = 299_792_458.0;
+    const PLANCK: f64 = 6.626_070_15e-34;
+    const BOLTZMANN: f64 = 1.380_649e-23;
+    let meters = wavelength * 1e-9;
+    let exponent = PLANCK * LIGHT / (meters * BOLTZMANN * temperature);
+    2.0 * PLANCK * LIGHT * LIGHT / (libm::pow(meters, 5.0) * libm::expm1(exponent)) * 1e-9
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_constant_spectrum_has_luminance_1_and_the_warmth_of_equal_energy() {
+        let [red, green, blue] = to_rgb(|_| 1.0);
+        assert!((0.2126 * red + 0.7152 * green + 0.0722 * blue - 1.0).abs() < 2e-3);
+        for (channel, expected) in [(red, 1.205), (green, 0.948), (blue, 0.909)] {
+            assert!((channel - expected).abs() < 0.02, "{channel} for {expected}");
+        }
+    }
+
+    #[test]
+    fn a_black_body_peaks_where_wien_says_and_is_white_at_6500_kelvin() {
+        let peak =
+            (360..831).max_by(|a, b| black_body(f64::from(*a), 5000.0).total_cmp(&black_body(f64::from(*b), 5000.0)));
+        assert!(peak.is_some_and(|peak| (579..=580).contains(&peak)), "{peak:?}");
+        let [red, green, blue] = to_rgb(|wavelength| black_body(wavelength, 6500.0));
+        assert!((red / green - 1.0).abs() < 0.08 && (blue / green - 1.0).abs() < 0.08, "{red} {green} {blue}");
+    }
+
+    #[test]
+    fn spectra_are_zero_outside_of_their_points() {
+        let points = [(400.0, 1.0), (500.0, 3.0)];
+        let values = [399.0, 400.0, 450.0, 500.0, 501.0].map(|wavelength| interpolate(&points, wavelength));
+        assert_eq!(values, [0.0, 1.0, 2.0, 3.0, 0.0]);
+    }
+}
