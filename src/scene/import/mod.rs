@@ -31,7 +31,7 @@ pub use pack::pack;
 /// How deep plugins and values may nest, and how long a chain of references may be.
 const DEPTH_LIMIT: usize = 64;
 
-/// Reads the scene file (XML, JSON, or a zip archive with one of them) at `path`.
+/// Reads the scene file (XML, JSON, glTF, GLB, or a zip archive with one of them) at `path`.
 ///
 /// `defines` are names and values that take the place of the scene's `<default>` parameters. Files that the scene
 /// refers to are looked up in the folder that holds it.
@@ -42,10 +42,10 @@ pub fn load_file(path: &Path, defines: &[(String, String)]) -> Result<SceneDescr
     read_source(path)?.import(defines).map(|imported| imported.description)
 }
 
-/// Reads a scene from memory: XML or JSON that stands alone, or a zip archive.
+/// Reads a scene from memory: XML, JSON, glTF or GLB that stands alone, or a zip archive.
 ///
-/// An archive's scene file is `scene.xml` or `scene.json` at its top level, or else the only `.xml` or `.json` file
-/// there. `name` is what errors call the file. See [`load_file`] for `defines`.
+/// An archive's scene file is `scene.xml`, `scene.json`, `scene.gltf` or `scene.glb` at its top level, or else the only
+/// `.xml`, `.json`, `.gltf` or `.glb` file there. `name` is what errors call the file. See [`load_file`] for `defines`.
 ///
 /// # Errors
 /// As [`load_file`]; also when the archive is malformed or its scene file is missing or ambiguous.
@@ -151,13 +151,13 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
             Err(SceneError::new(location, "the scene file is UTF-16 text", "save it as UTF-8"))
         }
         Some(_) => {
-            let remedy = "give a Mitsuba 3 scene as XML, as a JSON dictionary, or as a zip archive with one of them";
-            Err(SceneError::new(location, "this is neither XML, JSON nor a zip archive", remedy))
+            let remedy = "give a Mitsuba 3 scene as XML or as a JSON dictionary, a glTF scene, or a zip archive with one of them";
+            Err(SceneError::new(location, "this is neither XML, JSON, GLB nor a zip archive", remedy))
         }
     }
 }
 
-/// The names of scene files that need no other file's absence to be found.
+/// What the scene file of an archive may be called whatever stands beside it.
 const STANDARD_NAMES: [&str; 4] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb"];
 
 /// The scene file among the names in an archive, or why there is none.
@@ -169,7 +169,7 @@ fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String
     let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
     match candidates.as_slice() {
         [scene] => Ok((*scene).to_owned()),
-        [] => Err("the archive has no .xml or .json file at its top level".to_owned()),
+        [] => Err("the archive has no scene file at its top level".to_owned()),
         several => Err(format!("the archive has several scene files at its top level: {}", several[..2].join(", "))),
     }
 }
