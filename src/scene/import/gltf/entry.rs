@@ -4,7 +4,7 @@ use super::super::super::error::{Location, SceneError};
 use super::super::json_text::Json;
 
 /// The longest JSON text that is read, bytes: the tree in memory takes many times its size.
-const TEXT_LIMIT: usize = 128 << 20;
+const TEXT_LIMIT: usize = 64 << 20;
 
 /// The whole JSON of a file.
 pub(super) struct Document {
@@ -16,10 +16,10 @@ impl Document {
     /// Parses the JSON of the file at `location`.
     ///
     /// # Errors
-    /// On text that is not JSON, has more than 128 MiB, or is not an object.
+    /// On text that is not JSON, has more than 64 MiB, or is not an object.
     pub(super) fn parse(text: &[u8], location: &Location) -> Result<Self, SceneError> {
         if text.len() > TEXT_LIMIT {
-            let problem = "the JSON of the file has more than 128 MiB";
+            let problem = "the JSON of the file has more than 64 MiB";
             return Err(SceneError::new(location, problem, "keep meshes and images in files of their own, or use GLB"));
         }
         let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);

@@ -98,6 +98,8 @@ impl Base {
         }
         let Some(base) = material.child("pbrMetallicRoughness")? else { return Ok(Self::default()) };
         let [red, green, blue, alpha] = base.numbers("baseColorFactor")?.unwrap_or([1.0; 4]);
+        // The first texture decides which coordinates the material uses.
+        let color_texture = textures.read(&base, "baseColorTexture", Meaning::Color)?;
         let mut factor = |key: &str, channel: &'static str| {
             let texture = textures.read(&base, "metallicRoughnessTexture", Meaning::Channel(channel))?;
             Ok::<Slot, SceneError>(Slot::product(texture, Value::Float(base.number_within(key, 1.0, 0.0, 1.0)?)))
@@ -105,7 +107,7 @@ impl Base {
         let (metallic, roughness) = (factor("metallicFactor", "b")?, factor("roughnessFactor", "g")?);
         Ok(Self {
             color: [red, green, blue],
-            color_texture: textures.read(&base, "baseColorTexture", Meaning::Color)?,
+            color_texture,
             alpha,
             alpha_texture: textures.read(&base, "baseColorTexture", Meaning::Channel("a"))?,
             metallic,

@@ -13,7 +13,7 @@ use super::mesh::MeshFiles;
 use super::{Input, Output, camera, extensions, lights};
 
 /// The most shapes that a file may make, by nodes and by instances.
-const SHAPE_LIMIT: usize = 1_000_000;
+const SHAPE_LIMIT: usize = 200_000;
 
 /// What the nodes of a scene hold, as plugins.
 #[derive(Default)]

@@ -61,7 +61,9 @@ pub(super) fn decoded_size(text: &str) -> u64 {
 pub(super) fn decode(text: &str, owner: &Entry<'_>) -> Result<Vec<u8>, SceneError> {
     BASE64.decode(text).map_err(|error| {
         let entry = owner.get("uri").unwrap_or_else(|| owner.clone());
-        entry.error(format!("the base64 content cannot be read: {error}"), "export the scene again")
+        let reason = error.to_string();
+        let problem = format!("the base64 content cannot be read: {}", reason.trim_end_matches('.'));
+        entry.error(problem, "export the scene again")
     })
 }
 
