@@ -230,6 +230,17 @@ fn a_bomb_of_nodes_is_refused() {
     );
 }
 
+#[test]
+fn endless_lists_are_refused() {
+    let head = "{\"asset\": {\"version\": \"2.0\"}";
+    let twice = format!("{head}, \"nodes\": [{{}}], \"scenes\": [{{\"nodes\": [0{}]}}]}}", ",0".repeat(1_000_000));
+    let message = "room (scenes[0].nodes): the list has 1000001 items; split the scene: at most 1000000 are read";
+    assert_eq!(error(twice.as_bytes()), message);
+    let nodes = format!("{head}, \"nodes\": [0{}]}}", ",0".repeat(1_000_000));
+    let message = "room (nodes): the list has 1000001 items; split the scene: at most 1000000 are read";
+    assert_eq!(error(nodes.as_bytes()), message);
+}
+
 /// What an import promises of a file that it accepts: every mesh that it made can be read.
 fn check(bytes: &[u8]) {
     let Ok(scene) = load_bytes("room", bytes, &[]) else { return };

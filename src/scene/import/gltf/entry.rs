@@ -6,6 +6,9 @@ use super::super::json_text::Json;
 /// The longest JSON text that is read, bytes: the tree in memory takes many times its size.
 const TEXT_LIMIT: usize = 64 << 20;
 
+/// The most items of a list that are read; numbers are not counted.
+const LIST_LIMIT: usize = 1_000_000;
+
 /// The whole JSON of a file.
 pub(super) struct Document {
     root: Json,
@@ -16,7 +19,7 @@ impl Document {
     /// Parses the JSON of the file at `location`.
     ///
     /// # Errors
-    /// On text that is not JSON, has more than 64 MiB, or is not an object.
+    /// On text that is not JSON, has more than 64 MiB, or is not an object; on lists of more than a million items.
     pub(super) fn parse(text: &[u8], location: &Location) -> Result<Self, SceneError> {
         if text.len() > TEXT_LIMIT {
             let problem = "the JSON of the file has more than 64 MiB";
@@ -27,10 +30,13 @@ impl Document {
             let place = Location { line: error.line() as u32, ..location.clone() };
             SceneError::new(&place, format!("malformed JSON: {error}"), "export the scene again")
         })?;
-        if !matches!(root, Json::Object(_)) {
-            return Err(SceneError::new(location, "the file is not a JSON object", "export the scene again"));
+        let document = Self { root, location: location.clone() };
+        for key in document.root().object()?.keys() {
+            if let Some(Entry { json: Json::Array(items), path, .. }) = document.root().get(key) {
+                check_length(items.len(), &Location { path, ..location.clone() })?;
+            }
         }
-        Ok(Self { root, location: location.clone() })
+        Ok(document)
     }
 
     /// The outermost object.
@@ -55,6 +61,14 @@ impl Document {
         let Some(json) = items.get(index) else { return Ok(None) };
         Entry { document: self, json, path: format!("{list}[{index}]") }.object().map(Some)
     }
+}
+
+fn check_length(length: usize, location: &Location) -> Result<(), SceneError> {
+    if length <= LIST_LIMIT {
+        return Ok(());
+    }
+    let problem = format!("the list has {length} items");
+    Err(SceneError::new(location, problem, format!("split the scene: at most {LIST_LIMIT} are read")))
 }
 
 /// One value of the file, and where it stands.
@@ -211,6 +225,7 @@ impl<'a> Entry<'a> {
     fn list(&self, key: &str) -> Result<Vec<Entry<'a>>, SceneError> {
         let Some(list) = self.get(key) else { return Ok(Vec::new()) };
         let Json::Array(items) = list.json else { return Err(list.kind_error("a list")) };
+        check_length(items.len(), &list.location())?;
         let item = |(index, json)| Entry { document: self.document, json, path: format!("{}[{index}]", list.path) };
         Ok(items.iter().enumerate().map(item).collect())
     }

@@ -34,24 +34,37 @@ pub(super) struct Contents {
 /// On nodes that are reached twice, and on whatever is wrong with what they hold.
 pub(super) fn read(input: &Input<'_>, materials: &mut Materials, output: &mut Output) -> Result<Contents, SceneError> {
     let mut contents = Contents::default();
-    let mut visited = vec![false; input.document.count("nodes")];
-    let mut waiting = roots(input.document, output)?;
-    waiting.reverse();
-    let mut waiting: Vec<_> = waiting.into_iter().map(|(index, node)| (index, node, DMat4::IDENTITY)).collect();
-    while let Some((index, node, parent)) = waiting.pop() {
-        if std::mem::replace(&mut visited[index], true) {
-            let problem = format!("nodes[{index}] is reached twice: it has two parents, or is below itself");
-            return Err(node.error(problem, "give every node one parent"));
-        }
+    let mut tree = Tree { reached: vec![false; input.document.count("nodes")], waiting: Vec::new() };
+    tree.add(roots(input.document, output)?, DMat4::IDENTITY)?;
+    while let Some((node, parent)) = tree.waiting.pop() {
         extensions::report_unread(&node, output)?;
         let to_world = parent * transform(&node)?;
         contents.add_meshes(&node, to_world, input, materials, output)?;
         contents.add_camera(&node, to_world, output)?;
         contents.emitters.extend(lights::read(&node, to_world, input.document, output)?);
-        let children = node.references("children", "nodes")?;
-        waiting.extend(children.into_iter().rev().map(|(index, child)| (index, child, to_world)));
+        tree.add(node.references("children", "nodes")?, to_world)?;
     }
     Ok(contents)
+}
+
+/// The nodes that are still to be read, the next one last, each with the transform of its parent to the world.
+struct Tree<'a> {
+    reached: Vec<bool>,
+    waiting: Vec<(Entry<'a>, DMat4)>,
+}
+
+impl<'a> Tree<'a> {
+    /// Adds the children of a node, which are read before all others.
+    fn add(&mut self, children: Vec<(usize, Entry<'a>)>, to_world: DMat4) -> Result<(), SceneError> {
+        for (index, node) in children.into_iter().rev() {
+            if std::mem::replace(&mut self.reached[index], true) {
+                let problem = "the node is reached twice: it has two parents, or is below itself";
+                return Err(node.error(problem, "give every node one parent"));
+            }
+            self.waiting.push((node, to_world));
+        }
+        Ok(())
+    }
 }
 
 /// The outermost nodes of the default scene; without one of the first; without scenes all nodes that have no parent.
