@@ -6,6 +6,7 @@
 //! and [`report`] is what an import could not represent.
 
 mod draft;
+mod gltf;
 mod json_text;
 mod mitsuba_json;
 mod mitsuba_old;
@@ -35,7 +36,7 @@ pub use pack::pack;
 /// How deep plugins and values may nest, and how long a chain of references may be.
 const DEPTH_LIMIT: usize = 64;
 
-/// Reads the scene file (XML, JSON, or a zip archive with one of them) at `path`.
+/// Reads the scene file (XML, JSON, glTF, GLB, or a zip archive with one of them) at `path`.
 ///
 /// `defines` are names and values that take the place of the scene's `<default>` parameters. Files that the scene
 /// refers to are looked up in the folder that holds it.
@@ -46,10 +47,10 @@ pub fn load_file(path: &Path, defines: &[(String, String)]) -> Result<SceneDescr
     read_source(path)?.import(defines).map(|imported| imported.description)
 }
 
-/// Reads a scene from memory: XML or JSON that stands alone, or a zip archive.
+/// Reads a scene from memory: XML, JSON, glTF or GLB that stands alone, or a zip archive.
 ///
-/// An archive's scene file is `scene.xml` or `scene.json` at its top level, or else the only `.xml` or `.json` file
-/// there. `name` is what errors call the file. See [`load_file`] for `defines`.
+/// An archive's scene file is `scene.xml`, `scene.json`, `scene.gltf` or `scene.glb` at its top level, or else the only
+/// `.xml`, `.json`, `.gltf` or `.glb` file there. `name` is what errors call the file. See [`load_file`] for `defines`.
 ///
 /// # Errors
 /// As [`load_file`]; also when the archive is malformed or its scene file is missing or ambiguous.
@@ -62,6 +63,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], defines: &[(String, String)]) -> Res
 enum Format {
     Xml,
     Json,
+    Gltf,
+    Glb,
     Zip,
 }
 
@@ -94,9 +97,15 @@ impl Source {
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
+        let mut bundle = self.bundle.clone();
         let reading = match format(&self.text, &location)? {
             Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
             Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
+            Format::Gltf | Format::Glb => {
+                let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
             Format::Zip => {
                 return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
             }
@@ -104,7 +113,8 @@ impl Source {
         let Reading { root, aliases, includes: mut files, notices } = reading;
         let root = resolve::resolve(&root, &aliases)?;
         collect_file_names(&root, &mut HashSet::new(), &mut files);
-        Ok(Imported { description: SceneDescription { root, bundle: self.bundle.clone(), notices }, files })
+        files.retain(|(name, _)| bundle.generated().is_none_or(|generated| !generated.contains_key(name)));
+        Ok(Imported { description: SceneDescription { root, bundle, notices }, files })
     }
 }
 
@@ -133,31 +143,38 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
     if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
         return Ok(Format::Zip);
     }
+    if bytes.starts_with(gltf::MAGIC) {
+        return Ok(Format::Glb);
+    }
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match text.trim_ascii_start().first() {
         Some(b'<') => Ok(Format::Xml),
+        Some(b'{') if gltf::is_gltf(text) => Ok(Format::Gltf),
         Some(b'{') => Ok(Format::Json),
         None => Err(SceneError::new(location, "the scene file is empty", "give a Mitsuba 3 scene")),
         Some(_) if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") => {
             Err(SceneError::new(location, "the scene file is UTF-16 text", "save it as UTF-8"))
         }
         Some(_) => {
-            let remedy = "give a Mitsuba 3 scene as XML, as a JSON dictionary, or as a zip archive with one of them";
-            Err(SceneError::new(location, "this is neither XML, JSON nor a zip archive", remedy))
+            let remedy = "give a Mitsuba 3 scene as XML or as a JSON dictionary, a glTF scene, or a zip archive with one of them";
+            Err(SceneError::new(location, "this is neither XML, JSON, GLB nor a zip archive", remedy))
         }
     }
 }
+
+/// What the scene file of an archive may be called whatever stands beside it.
+const STANDARD_NAMES: [&str; 4] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb"];
 
 /// The scene file among the names in an archive, or why there is none.
 fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
     let top: Vec<&str> = names.filter(|name| !name.contains('/')).collect();
     let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json"));
-    let preferred: Vec<&str> = top.iter().copied().filter(|name| ["scene.xml", "scene.json"].contains(name)).collect();
+    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb"));
+    let preferred: Vec<&str> = top.iter().copied().filter(|name| STANDARD_NAMES.contains(name)).collect();
     let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
     match candidates.as_slice() {
         [scene] => Ok((*scene).to_owned()),
-        [] => Err("the archive has no .xml or .json file at its top level".to_owned()),
+        [] => Err("the archive has no scene file at its top level".to_owned()),
         several => Err(format!("the archive has several scene files at its top level: {}", several[..2].join(", "))),
     }
 }
