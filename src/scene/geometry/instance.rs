@@ -17,30 +17,11 @@ use crate::scene::fields::Fields;
 pub struct Instance {
     /// Index of its group.
     pub group: u32,
-    to_world: Affine,
-    to_group: Affine,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Affine {
     linear: Mat3,
     translation: Vec3,
-}
-
-impl Affine {
-    #[inline]
-    fn point(&self, point: Vec3) -> Vec3 {
-        self.linear * point + self.translation
-    }
-
-    /// The sizes of all that is added up for a point with coordinates up to `size`.
-    fn reach(&self, size: Vec3) -> Vec3 {
-        self.linear.abs() * size + self.translation.abs()
-    }
-
-    fn is_finite(&self) -> bool {
-        self.linear.is_finite() && self.translation.is_finite()
-    }
+    /// The inverse of `linear`. In double precision points are rounded but once on their way in, and once on their way out,
+    /// so that flattened and far instances do not magnify errors.
+    inverse: DMat3,
 }
 
 impl Instance {
@@ -48,64 +29,67 @@ impl Instance {
     pub fn read(fields: &mut Fields<'_>, group: u32) -> Result<Self, SceneError> {
         let given = ToWorld::read(fields)?;
         let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| given.vector(axis).as_vec3());
-        let to_world = Affine {
-            linear: Mat3::from_cols(columns[0], columns[1], columns[2]),
-            translation: given.point(DVec3::ZERO).as_vec3(),
-        };
+        let linear = Mat3::from_cols(columns[0], columns[1], columns[2]);
+        let translation = given.point(DVec3::ZERO).as_vec3();
         // Of the rounded numbers, so that both directions belong together.
-        let inverse = DMat3::from_cols_array(&to_world.linear.to_cols_array().map(f64::from)).inverse();
-        let to_group = Affine {
-            linear: Mat3::from_cols_array(&inverse.to_cols_array().map(|entry| entry as f32)),
-            translation: (inverse * -to_world.translation.as_dvec3()).as_vec3(),
-        };
-        if to_world.is_finite() && to_group.is_finite() {
-            return Ok(Self { group, to_world, to_group });
+        let inverse = linear.as_dmat3().inverse();
+        let fits = inverse.is_finite() && inverse.as_mat3().is_finite();
+        if linear.is_finite() && translation.is_finite() && fits {
+            return Ok(Self { group, linear, translation, inverse });
         }
         let problem = "\"to_world\" and its inverse do not fit into single precision";
         Err(fields.error("to_world", problem, "scale the shapes of the group instead"))
     }
 
-    /// The box in the world round a box in the group's space, with room for rounding.
-    fn bounds(&self, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
-        let center = self.to_world.point((low + high) * 0.5);
-        let size = low.abs().max(high.abs());
-        let half = self.to_world.linear.abs() * ((high - low) * 0.5) + position_error(self.rounding(size));
-        (center - half, center + half)
+    fn point_to_world(&self, point: Vec3) -> Vec3 {
+        (self.linear.as_dmat3() * point.as_dvec3() + self.translation.as_dvec3()).as_vec3()
     }
 
-    /// The largest number that is added up for world coordinates of points with coordinates up to `size` in the group.
-    fn rounding(&self, size: Vec3) -> f32 {
-        largest(self.to_world.reach(size))
+    #[inline]
+    fn point_to_group(&self, point: Vec3) -> DVec3 {
+        self.inverse * (point.as_dvec3() - self.translation.as_dvec3())
+    }
+
+    /// The box in the world round a box in the group's space, with room for rounding.
+    fn bounds(&self, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
+        let center = self.point_to_world((low + high) * 0.5);
+        let half = self.linear.abs() * ((high - low) * 0.5);
+        let room = half + position_error(largest(center) + largest(half));
+        (center - room, center + room)
     }
 
     /// The ray in the group's space, and what makes a world distance of one of its distances.
     #[inline]
     fn ray_in(&self, group: &Group, ray: &Ray, length: f32) -> (Ray, ToWorldDistance) {
-        let direction = self.to_group.linear * ray.direction;
+        let direction = self.inverse * ray.direction.as_dvec3();
         let stretch = direction.length();
         let direction = direction / stretch;
-        let origin = self.to_group.point(ray.origin);
+        let origin = self.point_to_group(ray.origin);
         // From nearby, where single precision can tell the group's boxes apart.
-        let skipped = ((group.center - origin).dot(direction) - group.radius).max(0.0);
-        let ray = Ray { origin: origin + direction * skipped, direction, length: length * stretch - skipped };
+        let skipped = ((group.center.as_dvec3() - origin).dot(direction) - f64::from(group.radius)).max(0.0);
+        let ray = Ray {
+            origin: (origin + direction * skipped).as_vec3(),
+            direction: direction.as_vec3(),
+            length: (f64::from(length) * stretch - skipped) as f32,
+        };
         (ray, ToWorldDistance { skipped, stretch })
     }
 
     /// Carries a hit in the group's space into the world.
     fn carry(&self, local: Interaction, group: &Geometry, ray: &Ray, distance: f32, index: u32) -> Interaction {
-        let normal_matrix = self.to_group.linear.transpose();
+        let normal_matrix = self.inverse.as_mat3().transpose();
         let normal = normal_matrix * local.geometric_normal;
         let stretch = normal.length();
         let shading = (normal_matrix * local.frame.normal).normalize();
         let frame = if local.shape.needs_uv {
-            let tangent = self.to_world.linear * group.partials_at(local.primitive, local.position)[0];
-            let mirrored = local.frame.is_left_handed() != (self.to_world.linear.determinant() < 0.0);
+            let tangent = self.linear * group.partials_at(local.primitive, local.position)[0];
+            let mirrored = local.frame.is_left_handed() != (self.linear.determinant() < 0.0);
             tangent_frame(shading, tangent, mirrored)
         } else {
             Frame::from_normal(shading)
         };
         Interaction {
-            position: self.to_world.point(local.position),
+            position: self.point_to_world(local.position),
             geometric_normal: normal / stretch,
             frame,
             outgoing: -ray.direction,
@@ -117,24 +101,23 @@ impl Instance {
     }
 
     /// How far along its normal a point must be moved in the world to be off the surface in the group's space too:
-    /// its own error there and that of carrying rays there, `1/stretch` being what they grow by along the normal, and
-    /// that of carrying points here.
+    /// its own error there and that of rounding points there, `1/stretch` being what they grow by along the normal, and
+    /// that of rounding points here.
     fn error(&self, local: &Interaction, stretch: f32) -> f32 {
-        let world = self.to_world.reach(local.position.abs());
-        let carried = largest(self.to_group.reach(world));
-        (local.error + position_error(carried)) / stretch + position_error(largest(world))
+        let there = local.error + position_error(largest(local.position));
+        there / stretch + position_error(largest(self.point_to_world(local.position)))
     }
 }
 
 #[derive(Clone, Copy)]
 struct ToWorldDistance {
-    skipped: f32,
-    stretch: f32,
+    skipped: f64,
+    stretch: f64,
 }
 
 impl ToWorldDistance {
     fn of(self, distance: f32) -> f32 {
-        (distance + self.skipped) / self.stretch
+        ((f64::from(distance) + self.skipped) / self.stretch) as f32
     }
 }
 
@@ -223,8 +206,8 @@ impl Instances {
 
     pub(super) fn partials(&self, hit: &Interaction) -> [Vec3; 2] {
         let instance = &self.instances[hit.instance as usize];
-        let local = instance.to_group.point(hit.position);
+        let local = instance.point_to_group(hit.position).as_vec3();
         let partials = self.group(instance).geometry.partials_at(hit.primitive, local);
-        partials.map(|partial| instance.to_world.linear * partial)
+        partials.map(|partial| instance.linear * partial)
     }
 }
