@@ -7,6 +7,7 @@ use glam::DMat4;
 
 use super::bundle::Bundle;
 use super::error::Location;
+use super::import::report::Notice;
 
 /// What a plugin is for; the tag in XML, the kind of slot it may stand in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -129,4 +130,6 @@ pub struct SceneDescription {
     pub root: Node,
     /// Where relative file names are looked up.
     pub bundle: Bundle,
+    /// What the import approximated or ignored.
+    pub notices: Vec<Notice>,
 }

@@ -62,7 +62,8 @@ impl Scene {
     pub fn prepare(description: &SceneDescription) -> Result<Self, SceneError> {
         let root = &description.root;
         let mut fields = Fields::new(root);
-        let mut builder = Builder::default();
+        let notices = description.notices.iter().map(ToString::to_string).collect();
+        let mut builder = Builder { notices, ..Builder::default() };
         for node in fields.children(PluginClass::Shape) {
             builder.add_shape(node, description)?;
         }

@@ -2,6 +2,25 @@
 
 use super::super::description::{Parameter, PluginClass};
 use super::super::error::Location;
+use super::report::Notice;
+
+/// What a format's reader makes of a scene file.
+pub(super) struct Reading {
+    /// The scene.
+    pub root: Draft,
+    pub aliases: Vec<Alias>,
+    /// The files that were read on the way, with the places that name them.
+    pub includes: Vec<(String, Location)>,
+    /// What could not be represented.
+    pub notices: Vec<Notice>,
+}
+
+impl Reading {
+    /// A scene that stands in one file and is represented completely.
+    pub(super) fn complete(root: Draft) -> Self {
+        Self { root, aliases: Vec::new(), includes: Vec::new(), notices: Vec::new() }
+    }
+}
 
 /// One plugin as written.
 pub(super) struct Draft {

@@ -7,7 +7,7 @@ use roxmltree::Node;
 use super::super::bundle::Bundle;
 use super::super::description::{Parameter, PluginClass, Value};
 use super::super::error::{Location, SceneError, nearest_name};
-use super::draft::{Alias, Draft, DraftChild, Target};
+use super::draft::{Alias, Draft, DraftChild, Reading, Target};
 use super::substitution::Parameters;
 use super::values::{self, Refusal, shown};
 use super::xml_element::{Attributes, File, step_matrix};
@@ -25,16 +25,13 @@ const STEP_TAGS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"
 /// Tags of Mitsuba that mean something photonfarm cannot do.
 const UNSUPPORTED_TAGS: [&str; 5] = ["medium", "phase", "volume", "path", "animation"];
 
-/// The drafts of an XML scene, its aliases, and the files it includes.
-pub(super) type Read = (Draft, Vec<Alias>, Vec<(String, Location)>);
-
 /// Reads a scene file and everything that it includes from `bundle`.
 pub(super) fn read(
     bytes: &[u8],
     location: &Location,
     bundle: &Bundle,
     defines: &[(String, String)],
-) -> Result<Read, SceneError> {
+) -> Result<Reading, SceneError> {
     let parameters = Parameters::new(defines);
     let mut reader = Reader { bundle, parameters, aliases: Vec::new(), includes: Vec::new(), open: Vec::new() };
     let text = File::text(bytes, location)?;
@@ -50,7 +47,8 @@ pub(super) fn read(
     reader.open.push(location.file.clone());
     reader.contents(&file, root, 0, &mut scope)?;
     reader.parameters.check_all_used(&scope.draft.location)?;
-    Ok((scope.draft, reader.aliases, reader.includes))
+    let Reader { aliases, includes, .. } = reader;
+    Ok(Reading { root: scope.draft, aliases, includes, notices: Vec::new() })
 }
 
 /// A plugin that is being read.

@@ -10,6 +10,7 @@ mod mitsuba_json;
 mod mitsuba_xml;
 mod pack;
 mod plugins;
+pub mod report;
 mod resolve;
 mod substitution;
 mod transform;
@@ -22,7 +23,7 @@ use std::sync::Arc;
 use super::bundle::{Bundle, read_file};
 use super::description::SceneDescription;
 use super::error::{Location, SceneError};
-use draft::Draft;
+use draft::{Draft, Reading};
 
 pub use pack::pack;
 
@@ -88,17 +89,17 @@ impl Source {
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
-        let (root, aliases, includes) = match format(&self.text, &location)? {
+        let reading = match format(&self.text, &location)? {
             Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
-            Format::Json => (mitsuba_json::read(&self.text, &location, defines)?, Vec::new(), Vec::new()),
+            Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
             Format::Zip => {
                 return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
             }
         };
-        let mut files = includes;
+        let Reading { root, aliases, includes: mut files, notices } = reading;
         collect_file_names(&root, &mut files);
         let root = resolve::resolve(&root, &aliases)?;
-        Ok(Imported { description: SceneDescription { root, bundle: self.bundle.clone() }, files })
+        Ok(Imported { description: SceneDescription { root, bundle: self.bundle.clone(), notices }, files })
     }
 }
 
