@@ -27,13 +27,31 @@ pub enum Bundle {
     /// The folder that holds the scene file.
     Folder(PathBuf),
     /// Files in memory, by their path with `/` separators.
-    Archive(Arc<BTreeMap<String, Arc<[u8]>>>),
+    Archive(Arc<Files>),
+    /// Files that an importer made, before those of another bundle.
+    Generated(Arc<Files>, Box<Bundle>),
 }
+
+/// Files in memory, by their path with `/` separators.
+pub type Files = BTreeMap<String, Arc<[u8]>>;
 
 impl Bundle {
     /// A bundle of no files: that of a scene which came as a single file.
     pub fn empty() -> Self {
         Self::Archive(Arc::default())
+    }
+
+    /// This bundle and, before its own files, `files` that an importer made, for example meshes of a binary format.
+    pub fn with_generated(self, files: Files) -> Self {
+        if files.is_empty() { self } else { Self::Generated(Arc::new(files), Box::new(self)) }
+    }
+
+    /// The files that an importer made; they stand neither in the folder nor in the archive that the scene came from.
+    pub fn generated(&self) -> Option<&Files> {
+        match self {
+            Self::Generated(files, _) => Some(files),
+            Self::Folder(_) | Self::Archive(_) => None,
+        }
     }
 
     /// Unpacks a zip archive in memory. A single folder round everything is taken off. `archive` is the place that
@@ -82,6 +100,10 @@ impl Bundle {
     pub fn read(&self, name: &str, location: &Location) -> Result<Arc<[u8]>, SceneError> {
         let name = checked_name(name, location)?;
         match self {
+            Self::Generated(files, origin) => match files.get(&name) {
+                Some(content) => Ok(content.clone()),
+                None => origin.read(&name, location),
+            },
             Self::Archive(files) => files.get(&name).cloned().ok_or_else(|| self.missing(&name, location)),
             Self::Folder(folder) => match folder.join(&name).canonicalize() {
                 Ok(path) => read_inside(folder, &path, &name, location),
@@ -95,6 +117,7 @@ impl Bundle {
     pub fn names(&self) -> BTreeSet<String> {
         match self {
             Self::Archive(files) => files.keys().cloned().collect(),
+            Self::Generated(files, origin) => files.keys().cloned().chain(origin.names()).collect(),
             Self::Folder(folder) => {
                 let mut names = BTreeSet::new();
                 list_folder(folder, "", &mut 4096, &mut names);

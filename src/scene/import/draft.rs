@@ -1,6 +1,6 @@
 //! Plugins as they stand in a file, before references are resolved.
 
-use super::super::description::{Parameter, PluginClass};
+use super::super::description::{Parameter, PluginClass, Value};
 use super::super::error::Location;
 use super::report::Notice;
 
@@ -23,6 +23,7 @@ impl Reading {
 }
 
 /// One plugin as written.
+#[derive(Clone)]
 pub(super) struct Draft {
     pub class: PluginClass,
     pub plugin: String,
@@ -32,7 +33,42 @@ pub(super) struct Draft {
     pub location: Location,
 }
 
+impl Draft {
+    /// A plugin without parameters, for importers of formats that have no plugins of their own.
+    pub(super) fn new(class: PluginClass, plugin: &str, location: &Location) -> Self {
+        Self {
+            class,
+            plugin: plugin.to_owned(),
+            id: String::new(),
+            parameters: Vec::new(),
+            children: Vec::new(),
+            location: location.clone(),
+        }
+    }
+
+    /// Gives it the parameter `name`.
+    pub(super) fn with(mut self, name: &str, value: Value) -> Self {
+        self.parameters.push(Parameter { name: name.to_owned(), value, location: self.location.clone() });
+        self
+    }
+
+    /// Nests `plugin` in the slot `name`, which may be empty.
+    pub(super) fn with_child(mut self, name: &str, plugin: Draft) -> Self {
+        let location = plugin.location.clone();
+        self.children.push(DraftChild { name: name.to_owned(), target: Target::Plugin(plugin), location });
+        self
+    }
+
+    /// Refers to the plugin with the given id.
+    pub(super) fn with_reference(mut self, id: &str) -> Self {
+        let location = self.location.clone();
+        self.children.push(DraftChild { name: String::new(), target: Target::Reference(id.to_owned()), location });
+        self
+    }
+}
+
 /// A nested plugin or a reference to one, with the name of its slot (or empty).
+#[derive(Clone)]
 pub(super) struct DraftChild {
     pub name: String,
     pub target: Target,
@@ -40,6 +76,7 @@ pub(super) struct DraftChild {
 }
 
 /// What a child is.
+#[derive(Clone)]
 pub(super) enum Target {
     /// Written in place.
     Plugin(Draft),

@@ -5,6 +5,7 @@
 //! `plugins` the names of all plugins, and `pack` makes the bytes that travel over HTTP.
 
 mod draft;
+mod gltf;
 mod json_text;
 mod mitsuba_json;
 mod mitsuba_xml;
@@ -57,6 +58,8 @@ pub fn load_bytes(name: &str, bytes: &[u8], defines: &[(String, String)]) -> Res
 enum Format {
     Xml,
     Json,
+    Gltf,
+    Glb,
     Zip,
 }
 
@@ -89,17 +92,24 @@ impl Source {
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
+        let mut bundle = self.bundle.clone();
         let reading = match format(&self.text, &location)? {
             Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
             Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
+            Format::Gltf | Format::Glb => {
+                let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
             Format::Zip => {
                 return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
             }
         };
         let Reading { root, aliases, includes: mut files, notices } = reading;
         collect_file_names(&root, &mut files);
+        files.retain(|(name, _)| bundle.generated().is_none_or(|generated| !generated.contains_key(name)));
         let root = resolve::resolve(&root, &aliases)?;
-        Ok(Imported { description: SceneDescription { root, bundle: self.bundle.clone(), notices }, files })
+        Ok(Imported { description: SceneDescription { root, bundle, notices }, files })
     }
 }
 
@@ -128,9 +138,13 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
     if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
         return Ok(Format::Zip);
     }
+    if bytes.starts_with(gltf::MAGIC) {
+        return Ok(Format::Glb);
+    }
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match text.trim_ascii_start().first() {
         Some(b'<') => Ok(Format::Xml),
+        Some(b'{') if gltf::is_gltf(text) => Ok(Format::Gltf),
         Some(b'{') => Ok(Format::Json),
         None => Err(SceneError::new(location, "the scene file is empty", "give a Mitsuba 3 scene")),
         Some(_) if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") => {
@@ -143,12 +157,15 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
     }
 }
 
+/// The names of scene files that need no other file's absence to be found.
+const STANDARD_NAMES: [&str; 4] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb"];
+
 /// The scene file among the names in an archive, or why there is none.
 fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
     let top: Vec<&str> = names.filter(|name| !name.contains('/')).collect();
     let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json"));
-    let preferred: Vec<&str> = top.iter().copied().filter(|name| ["scene.xml", "scene.json"].contains(name)).collect();
+    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb"));
+    let preferred: Vec<&str> = top.iter().copied().filter(|name| STANDARD_NAMES.contains(name)).collect();
     let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
     match candidates.as_slice() {
         [scene] => Ok((*scene).to_owned()),

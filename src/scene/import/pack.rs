@@ -49,7 +49,12 @@ fn name_in_archive(
     files: &BTreeMap<String, Arc<[u8]>>,
     location: &Location,
 ) -> Result<String, SceneError> {
-    let standard = if format(&source.text, location)? == Format::Xml { "scene.xml" } else { "scene.json" };
+    let standard = match format(&source.text, location)? {
+        Format::Xml => "scene.xml",
+        Format::Gltf => "scene.gltf",
+        Format::Glb => "scene.glb",
+        Format::Json | Format::Zip => "scene.json",
+    };
     let found = |name: &&str| {
         let names = files.keys().map(String::as_str).chain([*name]);
         !files.contains_key(*name) && scene_file(names).is_ok_and(|scene| scene == *name)
