@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::bundle::Bundle;
 use super::camera::{self, Camera};
 use super::description::{Node, PluginClass, SceneDescription, Value};
 use super::error::{SceneError, nearest_name};
@@ -12,7 +13,7 @@ use super::geometry::primitive::SHAPES;
 use super::geometry::surface::NO_LIGHT;
 use super::geometry::{Geometry, Shape};
 use super::light::area::read_radiance;
-use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
+use super::light::{AreaLight, Constant, Directional, Ies, Light, LightTable, Point, Spot, Surroundings};
 use super::material::{self, Lobes, Material, TransportMode};
 use crate::math::{Rgb, Vec2};
 
@@ -84,7 +85,7 @@ impl Scene {
         }
         let Builder { shapes, area_lights, materials, notices, .. } = builder;
         let (mut geometry, members) = Geometry::build(shapes);
-        let lights = light_table(&mut geometry, &members, &area_lights, &emitters, root)?;
+        let lights = light_table(&mut geometry, &members, &area_lights, &emitters, description)?;
         check_view(&camera, &geometry, &materials, sensor)?;
         Ok(Self { width: film.width, height: film.height, camera, geometry, materials, lights, integrator, notices })
     }
@@ -204,7 +205,7 @@ fn light_table(
     members: &[Vec<u32>],
     area_lights: &[(usize, Rgb)],
     emitters: &[&Arc<Node>],
-    root: &Node,
+    description: &SceneDescription,
 ) -> Result<LightTable, SceneError> {
     let mut lights = Vec::new();
     for (shape, radiance) in area_lights {
@@ -216,7 +217,7 @@ fn light_table(
     let (center, radius) = geometry.bounding_sphere();
     let surroundings = Surroundings { center, radius };
     for node in emitters {
-        let light = read_emitter(node, surroundings)?;
+        let light = read_emitter(node, surroundings, &description.bundle)?;
         let second = matches!(light, Light::Constant(_)) && lights.iter().any(|l| matches!(l, Light::Constant(_)));
         if second {
             return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
@@ -224,17 +225,22 @@ fn light_table(
         lights.push(light);
     }
     LightTable::new(lights).ok_or_else(|| {
-        SceneError::new(&root.location, "nothing in the scene emits light", "add an emitter with a radiance above 0")
+        SceneError::new(
+            &description.root.location,
+            "nothing in the scene emits light",
+            "add an emitter with a radiance above 0",
+        )
     })
 }
 
-const EMITTERS: &[&str] = &["point", "spot", "directional", "constant"];
+const EMITTERS: &[&str] = &["point", "spot", "ies", "directional", "constant"];
 
-fn read_emitter(node: &Node, surroundings: Surroundings) -> Result<Light, SceneError> {
+fn read_emitter(node: &Node, surroundings: Surroundings, bundle: &Bundle) -> Result<Light, SceneError> {
     let mut fields = Fields::new(node);
     let light = match node.plugin.as_str() {
         "point" => Light::Point(Point::read(&mut fields)?),
         "spot" => Light::Spot(Spot::read(&mut fields)?),
+        "ies" => Light::Ies(Ies::read(&mut fields, bundle)?),
         "directional" => Light::Directional(Directional::read(&mut fields, surroundings)?),
         "constant" => Light::Constant(Constant::new(read_radiance(&mut fields)?, surroundings)),
         "area" => {

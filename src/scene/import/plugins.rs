@@ -111,6 +111,7 @@ const PLUGINS: [(PluginClass, &[&str]); 10] = [
             "directional",
             "directionalarea",
             "envmap",
+            "ies",
             "point",
             "projector",
             "spot",

@@ -6,6 +6,7 @@
 pub mod area;
 pub mod constant;
 pub mod directional;
+pub mod ies;
 pub mod point;
 pub mod spot;
 pub mod table;
@@ -16,6 +17,7 @@ use crate::scene::geometry::{Geometry, Interaction};
 pub use area::AreaLight;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use ies::Ies;
 pub use point::Point;
 pub use spot::Spot;
 pub use table::LightTable;
@@ -82,7 +84,7 @@ macro_rules! lights {
     };
 }
 
-lights!(AreaLight, Point, Spot, Directional, Constant);
+lights!(AreaLight, Point, Spot, Ies, Directional, Constant);
 
 impl Light {
     /// Radiance that leaves a hit of this light's surface back along the path.
