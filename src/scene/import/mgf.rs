@@ -1,4 +1,4 @@
-//! MGF, the Materials and Geometry Format, version 2 [Ward et al. 1997, "The materials and geometry format"].
+//! MGF, the Materials and Geometry Format, version 2 [Ward et al. 1997].
 //!
 //! A file is a list of entities, one a line. Some change what is current (color, material, vertex, transform), others make
 //! surfaces of it. Every different material becomes a bsdf and a mesh of all polygons that have it. Lengths are meters;
@@ -41,7 +41,7 @@ const INCLUDE_DEPTH_LIMIT: usize = 32;
 /// How many bytes of text a scene may have in all of its files.
 const TEXT_LIMIT: usize = 256 << 20;
 /// How many entities may be followed, counted anew in every copy of an array and every include.
-const ENTITY_LIMIT: u64 = 20_000_000;
+const ENTITY_LIMIT: u64 = 10_000_000;
 /// How deep transforms may nest.
 const TRANSFORM_LIMIT: usize = 64;
 
@@ -52,7 +52,7 @@ const ENTITIES: [&str; 28] = [
 
 /// Whether a file is MGF, by its name or by its first entities.
 pub(super) fn is_mgf(bytes: &[u8], name: &str) -> bool {
-    const LOOKED_AT: usize = 20;
+    const LOOKED_AT: usize = 5;
     if name.to_ascii_lowercase().ends_with(".mgf") {
         return true;
     }

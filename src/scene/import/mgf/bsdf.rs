@@ -4,15 +4,17 @@
 //! |---|---|
 //! | `rd` alone | `diffuse` |
 //! | `rs`, smooth | `conductor` that reflects `rs`; with `rd` a `blendbsdf` of both, which keeps both shares |
-//! | `rs`, rough | `ward`, the model that MGF means [Ward 1992, "Measuring and modeling anisotropic reflection"] |
+//! | `rs`, rough | `ward`, the model that MGF means, in the form that reflects what it should at grazing angles, too |
 //! | `rs` with a real `ir` above 1 | `plastic`, `roughplastic` |
 //! | `rs` with a complex `ir`, no `rd` | `conductor`, `roughconductor` |
 //! | `ts` with a real `ir` above 1 | two-sided: `thindielectric`; one-sided: `dielectric`, `roughdielectric` |
-//! | other `ts`, `td` | `mask`: that share passes straight through |
+//! | `td` | `difftrans`; a `blendbsdf` with what reflects |
+//! | other `ts` | `mask`: that share passes straight through |
 //! | `sides 2` | `twosided` |
 
 use super::super::draft::Draft;
 use super::super::report::Notice;
+use super::color::GREY;
 use super::material::{Component, Material};
 use crate::scene::description::PluginClass;
 use crate::scene::error::Location;
@@ -46,26 +48,45 @@ impl Writer<'_> {
         if !material.two_sided {
             self.approximated("is one-sided", "its back is black where MGF has it invisible");
         }
-        let (diffuse, specular) = (material.diffuse_transmission, material.specular_transmission);
-        let passing = (diffuse.amount + specular.amount).min(1.0);
-        if passing == 0.0 {
-            return self.sided(&material);
+        let straight = material.specular_transmission;
+        if straight.amount == 0.0 {
+            return self.scattering(&material);
         }
-        if diffuse.amount > 0.0 {
-            self.approximated("transmits diffusely", "that light passes straight through");
-        }
-        if specular.amount > 0.0 && specular.roughness > 0.0 {
+        if straight.roughness > 0.0 {
             self.approximated("transmits with roughness", "that light passes straight through");
         }
-        let gray = |part: Component| part.amount == 0.0 || part.color == super::color::GREY;
-        if !(gray(diffuse) && gray(specular)) {
+        if straight.color != GREY {
             self.approximated("transmits colored light", "what passes straight through keeps its color");
         }
         // A mask shows its bsdf with the rest of the probability.
-        let left = (1.0 - passing).max(f64::MIN_POSITIVE);
-        material.diffuse_reflection.amount = (material.diffuse_reflection.amount / left).min(1.0);
-        material.specular_reflection.amount = (material.specular_reflection.amount / left).min(1.0);
-        self.plugin("mask").with_float("opacity", 1.0 - passing).with_child("", self.sided(&material))
+        let opacity = 1.0 - straight.amount.min(1.0);
+        let parts = [&mut material.diffuse_reflection, &mut material.specular_reflection];
+        for part in parts.into_iter().chain([&mut material.diffuse_transmission]) {
+            part.amount = (part.amount / opacity.max(f64::MIN_POSITIVE)).min(1.0);
+        }
+        self.plugin("mask").with_float("opacity", opacity).with_child("", self.scattering(&material))
+    }
+
+    /// All but what passes straight through.
+    fn scattering(&mut self, material: &Material) -> Draft {
+        let mut material = *material;
+        let through = material.diffuse_transmission;
+        if through.amount == 0.0 {
+            return self.sided(&material);
+        }
+        // Chosen with probabilities in proportion to their brightest channels, and divided by them, neither part
+        // scatters more than it gets.
+        let reflected = brightest(material.diffuse_reflection) + brightest(material.specular_reflection);
+        let weight = brightest(through) / (brightest(through) + reflected);
+        let transmittance = self.rgb(Component { amount: through.amount / weight, ..through });
+        let sheet = self.plugin("difftrans").with_rgb("transmittance", transmittance);
+        if reflected == 0.0 {
+            return sheet;
+        }
+        let parts = [&mut material.diffuse_reflection, &mut material.specular_reflection];
+        parts.into_iter().for_each(|part| part.amount /= 1.0 - weight);
+        let front = self.sided(&material);
+        self.plugin("blendbsdf").with_float("weight", weight).with_child("", front).with_child("", sheet)
     }
 
     fn sided(&mut self, material: &Material) -> Draft {
@@ -90,29 +111,31 @@ impl Writer<'_> {
             self.approximated("has an index of refraction", "its reflectance does not depend on the angle");
         }
         if roughness > 0.0 {
-            let ward = self.plugin("ward").with_float("alpha_u", roughness).with_float("alpha_v", roughness);
-            return ward.with_rgb("diffuse_reflectance", diffuse).with_rgb("specular_reflectance", specular);
+            return self.ward(roughness, diffuse, specular);
         }
-        let brightest = |rgb: [f64; 3]| rgb.into_iter().fold(0.0, f64::max);
-        // Chosen with this probability and divided by it, neither part reflects more than it gets.
-        let weight = brightest(specular) / (brightest(specular) + brightest(diffuse)).max(f64::MIN_POSITIVE);
-        let mirror = |rgb: [f64; 3]| {
-            self.plugin("conductor").with_text("material", "none").with_rgb("specular_reflectance", rgb)
-        };
-        if weight >= 1.0 {
-            return mirror(specular);
+        let mirror = self.plugin("conductor").with_text("material", "none");
+        if material.diffuse_reflection.amount == 0.0 {
+            return mirror.with_rgb("specular_reflectance", specular);
         }
-        let matte = self.plugin("diffuse");
-        let blend = self.plugin("blendbsdf").with_float("weight", weight);
-        let [matte_rgb, mirror_rgb] =
-            [diffuse.map(|channel| channel / (1.0 - weight)), specular.map(|channel| channel / weight)];
-        let mirror = mirror(mirror_rgb.map(|channel| channel.min(1.0)));
-        if brightest(matte_rgb) > 1.0 + 1e-9 {
-            self.approximated("reflects more than it gets of some color", "that color is cut off at 1");
+        let shares = [material.diffuse_reflection, material.specular_reflection];
+        let weight = brightest(shares[1]) / (brightest(shares[0]) + brightest(shares[1]));
+        let [diffuse, specular] = [(shares[0], 1.0 - weight), (shares[1], weight)]
+            .map(|(part, weight)| self.rgb(Component { amount: part.amount / weight, ..part }));
+        let matte = self.plugin("diffuse").with_rgb("reflectance", diffuse);
+        let mirror = mirror.with_rgb("specular_reflectance", specular);
+        self.plugin("blendbsdf").with_float("weight", weight).with_child("", matte).with_child("", mirror)
+    }
+
+    fn ward(&mut self, roughness: f64, diffuse: [f64; 3], specular: [f64; 3]) -> Draft {
+        let most = (0..3).map(|channel| diffuse[channel] + specular[channel]).fold(0.0, f64::max);
+        if most > 1.01 {
+            self.approximated("has a color that cannot be so bright", "all of it is made darker");
         }
-        blend
-            .with_child("", matte.with_rgb("reflectance", matte_rgb.map(|channel| channel.min(1.0))))
-            .with_child("", mirror)
+        // A little less than 1, so that the sum of the rounded shares is not more.
+        let scale = if most > 1.0 - 1e-6 { (1.0 - 1e-6) / most } else { 1.0 };
+        let [diffuse, specular] = [diffuse, specular].map(|rgb| rgb.map(|channel| channel * scale));
+        let ward = self.plugin("ward").with_float("alpha_u", roughness).with_float("alpha_v", roughness);
+        ward.with_rgb("diffuse_reflectance", diffuse).with_rgb("specular_reflectance", specular)
     }
 
     /// A coating over a diffuse base. `rs` and `rd` hold at normal incidence, where the coating reflects R(0).
@@ -121,13 +144,8 @@ impl Writer<'_> {
         let coating = normal_reflectance([index, 0.0]);
         let specular =
             self.cut(specular.map(|channel| channel / coating), "reflects more than its index of refraction");
-        // Of light that is diffused inside, `inner` is reflected back by the surface; what leaves is
-        // (1 - R) (1 - inner) ρ/(1 - inner ρ), solved for ρ.
-        let inner = inner_reflectance(index);
-        let base = diffuse.map(|channel| {
-            let leaving = channel / ((1.0 - coating) * (1.0 - inner));
-            leaving / (1.0 + leaving * inner)
-        });
+        // The base sees what the coating lets in, and all of what it lets out is counted in `diffuse_reflectance`.
+        let base = diffuse.map(|channel| channel / (1.0 - coating));
         let base = self.cut(base, "reflects more diffusely than its coating lets out");
         let roughness = material.specular_reflection.roughness;
         let name = if roughness > 0.0 { "roughplastic" } else { "plastic" };
@@ -181,7 +199,11 @@ impl Writer<'_> {
     }
 
     fn approximated(&mut self, what: &str, instead: &str) {
-        self.notices.push(Notice::approximated(self.location, format!("material {} {what}", self.name), instead));
+        let notice = Notice::approximated(self.location, format!("material {} {what}", self.name), instead);
+        // Several components may say the same.
+        if !self.notices.iter().rev().take(8).any(|known| *known == notice) {
+            self.notices.push(notice);
+        }
     }
 
     /// Reflectance or transmittance of a component.
@@ -220,23 +242,13 @@ fn is_dielectric(material: &Material) -> bool {
     material.index[0] > 1.0 && material.index[1] == 0.0
 }
 
+/// The largest channel of a component.
+fn brightest(component: Component) -> f64 {
+    let (rgb, _) = component.color.rgb(component.amount);
+    rgb.into_iter().fold(0.0, f64::max)
+}
+
 /// Fresnel's reflectance at normal incidence: ((n - 1)² + k²)/((n + 1)² + k²).
 fn normal_reflectance([n, k]: [f64; 2]) -> f64 {
     ((n - 1.0) * (n - 1.0) + k * k) / ((n + 1.0) * (n + 1.0) + k * k)
-}
-
-/// The share of diffuse light that a surface reflects back into a medium of this index: 1 - (1 - F)/n² with F from outside, here by
-/// the midpoint rule over the cosine.
-fn inner_reflectance(index: f64) -> f64 {
-    const STEPS: u32 = 256;
-    let outer: f64 = (0..STEPS)
-        .map(|step| {
-            let cosine = (f64::from(step) + 0.5) / f64::from(STEPS);
-            let refracted = (1.0 - (1.0 - cosine * cosine) / (index * index)).sqrt();
-            let perpendicular = (cosine - index * refracted) / (cosine + index * refracted);
-            let parallel = (index * cosine - refracted) / (index * cosine + refracted);
-            (perpendicular * perpendicular + parallel * parallel) * cosine / f64::from(STEPS)
-        })
-        .sum();
-    1.0 - (1.0 - outer) / (index * index)
 }

@@ -1,14 +1,12 @@
 //! Colors of MGF: CIE 1931 chromaticities, made linear Rec. 709.
 //!
 //! A color has no brightness of its own: the reflectance or emittance that it applies to is photometric, and becomes the
-//! luminance of the result. Spectra and black bodies are weighted with the color matching functions (fitted by sums of
-//! Gaussians [Wyman, Sloan & Shirley 2013, "Simple analytic approximations to the CIE XYZ color matching functions",
-//! eq. 4]), from 380 to 780 nm. Black bodies follow Planck's law. Mixtures add the tristimulus values of colors whose
-//! luminances are the weights.
+//! luminance of the result. Spectra and black bodies are weighted with the color matching functions, here fitted by
+//! Gaussians [Wyman et al. 2013, eq. 4], from 380 to 780 nm. Black bodies follow Planck's law. Mixtures add the
+//! tristimulus values of colors whose luminances are the weights.
 //!
 //! MGF's white is the equal-energy spectrum, (1/3, 1/3), and grey by default; that of Rec. 709 is D65. A von Kries
-//! transform on the Bradford cone responses [Lam 1985; Fairchild 2013, "Color appearance models"] takes one to the other, so that
-//! grey stays grey.
+//! transform of Bradford cone responses [Fairchild 2013] takes one to the other, so that grey stays grey.
 
 use glam::{DMat3, DVec3};
 

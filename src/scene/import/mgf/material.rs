@@ -106,7 +106,9 @@ fn share(entity: &Entity<'_>, color: Color) -> Result<Component, SceneError> {
 
 fn rough_share(entity: &Entity<'_>, color: Color) -> Result<Component, SceneError> {
     entity.check_count(2, 2, &format!("{} share roughness", entity.keyword))?;
-    Ok(Component { amount: at_most_one(entity)?, color, roughness: entity.amount(1)? })
+    // Facets of less slope cannot be told from a smooth surface in single precision.
+    let roughness = Some(entity.amount(1)?).filter(|roughness| *roughness >= 1e-4).unwrap_or_default();
+    Ok(Component { amount: at_most_one(entity)?, color, roughness })
 }
 
 fn at_most_one(entity: &Entity<'_>) -> Result<f64, SceneError> {

@@ -1,11 +1,11 @@
-//! Polygons as triangles, by clipping ears [Meisters 1975, "Polygons have ears"; Eberly 2008, "Triangulation by ear
-//! clipping"]: concave ones, ones with seams, and ones with holes.
+//! Polygons as triangles, by clipping ears [Meisters 1975; Eberly 2008]: concave ones, ones with seams, and ones with
+//! holes.
 
 use glam::{DVec2, DVec3};
 
 /// A polygon that was cut up.
 pub(super) struct Triangulation {
-    /// Unit normal by the right-hand rule [Newell's method, in Sutherland et al. 1974].
+    /// Unit normal by the right-hand rule.
     pub normal: DVec3,
     /// Indices into the loops' points, one loop after the other.
     pub triangles: Vec<[usize; 3]>,

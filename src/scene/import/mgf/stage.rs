@@ -23,7 +23,7 @@ const SHAPE_LIMIT: usize = 200_000;
 /// The most materials that surfaces may have.
 const MATERIAL_LIMIT: usize = 65_536;
 /// How many steps all of a scene's polygons may take to be cut into triangles.
-const WORK_LIMIT: u64 = 2_000_000_000;
+const WORK_LIMIT: u64 = 300_000_000;
 /// How wide the default camera sees, degrees along the shorter side of the picture.
 const FIELD_OF_VIEW: f64 = 40.0;
 /// Where the default camera looks from: in front, from the right and from above, for z upwards.
