@@ -15,7 +15,7 @@ use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::SHAPES;
 use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::light::{
-    AreaLight, Constant, Directional, EnvironmentMap, Light, LightTable, Point, Spot, Surroundings, area,
+    AreaLight, Constant, Directional, EnvironmentMap, Ies, Light, LightTable, Point, Spot, Surroundings, area,
 };
 use super::material::{self, Lobes, Material, TransportMode, View};
 use super::relief::{self, Relief};
@@ -108,7 +108,7 @@ impl Scene {
         let mut geometry = instancing.add_to(geometry);
         let mut lights = Vec::new();
         place_area_lights(&mut geometry, &members, area_lights, &mut lights);
-        let lights = light_table(&geometry, lights, &emitters, &mut textures, root)?;
+        let lights = light_table(&geometry, lights, &emitters, &mut textures, description)?;
         check_view(&camera, &geometry, &materials, sensor)?;
         let Film { width, height, .. } = film;
         Ok(Self { width, height, film, camera, geometry, materials, reliefs, lights, integrator, notices })
@@ -290,33 +290,39 @@ fn light_table(
     mut lights: Vec<Light>,
     emitters: &[&Arc<Node>],
     textures: &mut TextureReader<'_>,
-    root: &Node,
+    description: &SceneDescription,
 ) -> Result<LightTable, SceneError> {
     let (center, radius) = geometry.bounding_sphere();
     let surroundings = Surroundings { center, radius };
     for node in emitters {
-        let light = read_emitter(node, surroundings, textures)?;
+        let light = read_emitter(node, surroundings, textures, &description.bundle)?;
         if light.is_environment() && lights.iter().any(Light::is_environment) {
             return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
         }
         lights.push(light);
     }
     LightTable::new(lights).ok_or_else(|| {
-        SceneError::new(&root.location, "nothing in the scene emits light", "add an emitter with a radiance above 0")
+        SceneError::new(
+            &description.root.location,
+            "nothing in the scene emits light",
+            "add an emitter with a radiance above 0",
+        )
     })
 }
 
-const EMITTERS: &[&str] = &["point", "spot", "directional", "constant", "envmap"];
+const EMITTERS: &[&str] = &["point", "spot", "ies", "directional", "constant", "envmap"];
 
 fn read_emitter(
     node: &Node,
     surroundings: Surroundings,
     textures: &mut TextureReader<'_>,
+    bundle: &Bundle,
 ) -> Result<Light, SceneError> {
     let mut fields = Fields::new(node);
     let light = match node.plugin.as_str() {
         "point" => Light::Point(Point::read(&mut fields)?),
         "spot" => Light::Spot(Spot::read(&mut fields)?),
+        "ies" => Light::Ies(Ies::read(&mut fields, bundle)?),
         "directional" => Light::Directional(Directional::read(&mut fields, surroundings)?),
         "constant" => Light::Constant(Constant::read(&mut fields, surroundings)?),
         "envmap" => Light::EnvironmentMap(EnvironmentMap::read(&mut fields, textures, surroundings)?),

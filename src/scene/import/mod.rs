@@ -8,6 +8,7 @@
 mod draft;
 mod gltf;
 mod json_text;
+mod mgf;
 mod mitsuba_json;
 mod mitsuba_old;
 mod mitsuba_xml;
@@ -65,6 +66,7 @@ enum Format {
     Json,
     Gltf,
     Glb,
+    Mgf,
     Zip,
 }
 
@@ -103,6 +105,11 @@ impl Source {
             Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
             Format::Gltf | Format::Glb => {
                 let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
+            Format::Mgf => {
+                let (reading, generated) = mgf::read(&self.text, &location, &self.bundle, defines)?;
                 bundle = bundle.with_generated(generated);
                 reading
             }
@@ -155,6 +162,7 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
         Some(_) if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") => {
             Err(SceneError::new(location, "the scene file is UTF-16 text", "save it as UTF-8"))
         }
+        Some(_) if mgf::is_mgf(text, &location.file) => Ok(Format::Mgf),
         Some(_) => {
             let remedy = "give a Mitsuba 3 scene as XML or as a JSON dictionary, a glTF scene, or a zip archive with one of them";
             Err(SceneError::new(location, "this is neither XML, JSON, GLB nor a zip archive", remedy))
@@ -163,13 +171,13 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
 }
 
 /// What the scene file of an archive may be called whatever stands beside it.
-const STANDARD_NAMES: [&str; 4] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb"];
+const STANDARD_NAMES: [&str; 5] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb", "scene.mgf"];
 
 /// The scene file among the names in an archive, or why there is none.
 fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
     let top: Vec<&str> = names.filter(|name| !name.contains('/')).collect();
     let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb"));
+    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb" | "mgf"));
     let preferred: Vec<&str> = top.iter().copied().filter(|name| STANDARD_NAMES.contains(name)).collect();
     let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
     match candidates.as_slice() {

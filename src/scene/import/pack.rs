@@ -53,6 +53,7 @@ fn name_in_archive(
         Format::Xml => "scene.xml",
         Format::Gltf => "scene.gltf",
         Format::Glb => "scene.glb",
+        Format::Mgf => "scene.mgf",
         Format::Json | Format::Zip => "scene.json",
     };
     let found = |name: &&str| {

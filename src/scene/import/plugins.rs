@@ -112,6 +112,7 @@ const PLUGINS: [(PluginClass, &[&str]); 10] = [
             "directional",
             "directionalarea",
             "envmap",
+            "ies",
             "point",
             "projector",
             "spot",

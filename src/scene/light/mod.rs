@@ -7,6 +7,7 @@ pub mod area;
 pub mod constant;
 pub mod directional;
 pub mod environment_map;
+pub mod ies;
 pub mod point;
 pub mod spot;
 pub mod table;
@@ -18,6 +19,7 @@ pub use area::AreaLight;
 pub use constant::Constant;
 pub use directional::Directional;
 pub use environment_map::EnvironmentMap;
+pub use ies::Ies;
 pub use point::Point;
 pub use spot::Spot;
 pub use table::LightTable;
@@ -84,7 +86,7 @@ macro_rules! lights {
     };
 }
 
-lights!(AreaLight, Point, Spot, Directional, Constant, EnvironmentMap);
+lights!(AreaLight, Point, Spot, Ies, Directional, Constant, EnvironmentMap);
 
 impl Light {
     /// Radiance that leaves a hit of this light's surface back along the path.
