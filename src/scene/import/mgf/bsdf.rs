@@ -36,7 +36,7 @@ impl Writer<'_> {
         let mut material = *material;
         let albedo = material.albedo();
         if albedo > 1.0 + 1e-9 {
-            self.approximated("scatters more light than it gets", "all of its shares are scaled down to a sum of 1");
+            self.approximated("the sum of shares above 1", "all of its shares are scaled down to a sum of 1");
             let parts = [&mut material.diffuse_reflection, &mut material.specular_reflection];
             parts.into_iter().for_each(|part| part.amount /= albedo);
             let parts = [&mut material.diffuse_transmission, &mut material.specular_transmission];
@@ -46,17 +46,17 @@ impl Writer<'_> {
             return self.glass(&material);
         }
         if !material.two_sided {
-            self.approximated("is one-sided", "its back is black where MGF has it invisible");
+            self.approximated("the invisible back", "it is black");
         }
         let straight = material.specular_transmission;
         if straight.amount == 0.0 {
             return self.scattering(&material);
         }
         if straight.roughness > 0.0 {
-            self.approximated("transmits with roughness", "that light passes straight through");
+            self.approximated("the rough transmission", "that light passes straight through");
         }
         if straight.color != GREY {
-            self.approximated("transmits colored light", "what passes straight through keeps its color");
+            self.approximated("the colored transmission", "what passes straight through keeps its color");
         }
         // A mask shows its bsdf with the rest of the probability.
         let opacity = 1.0 - straight.amount.min(1.0);
@@ -108,7 +108,7 @@ impl Writer<'_> {
             return self.metal(material, specular);
         }
         if material.index != [1.0, 0.0] {
-            self.approximated("has an index of refraction", "its reflectance does not depend on the angle");
+            self.approximated("the index of refraction", "the reflectance does not depend on the angle");
         }
         if roughness > 0.0 {
             return self.ward(roughness, diffuse, specular);
@@ -129,7 +129,7 @@ impl Writer<'_> {
     fn ward(&mut self, roughness: f64, diffuse: [f64; 3], specular: [f64; 3]) -> Draft {
         let most = (0..3).map(|channel| diffuse[channel] + specular[channel]).fold(0.0, f64::max);
         if most > 1.01 {
-            self.approximated("has a color that cannot be so bright", "all of it is made darker");
+            self.approximated("a color that cannot be so bright", "all of it is made darker");
         }
         // A little less than 1, so that the sum of the rounded shares is not more.
         let scale = if most > 1.0 - 1e-6 { (1.0 - 1e-6) / most } else { 1.0 };
@@ -143,10 +143,10 @@ impl Writer<'_> {
         let index = material.index[0];
         let coating = normal_reflectance([index, 0.0]);
         let specular =
-            self.cut(specular.map(|channel| channel / coating), "reflects more than its index of refraction");
+            self.cut(specular.map(|channel| channel / coating), "a reflectance above that of the index of refraction");
         // The base sees what the coating lets in, and all of what it lets out is counted in `diffuse_reflectance`.
         let base = diffuse.map(|channel| channel / (1.0 - coating));
-        let base = self.cut(base, "reflects more diffusely than its coating lets out");
+        let base = self.cut(base, "a diffuse reflectance above what the coating lets out");
         let roughness = material.specular_reflection.roughness;
         let name = if roughness > 0.0 { "roughplastic" } else { "plastic" };
         let plastic = self.plugin(name).with_float("int_ior", index).with_float("ext_ior", 1.0);
@@ -156,7 +156,8 @@ impl Writer<'_> {
 
     fn metal(&mut self, material: &Material, specular: [f64; 3]) -> Draft {
         let normal = normal_reflectance(material.index);
-        let scale = self.cut(specular.map(|channel| channel / normal), "reflects more than its index of refraction");
+        let scale =
+            self.cut(specular.map(|channel| channel / normal), "a reflectance above that of the index of refraction");
         let roughness = material.specular_reflection.roughness;
         let metal = self.plugin(if roughness > 0.0 { "roughconductor" } else { "conductor" });
         let metal = metal.with_rgb("eta", [material.index[0]; 3]).with_rgb("k", [material.index[1]; 3]);
@@ -171,24 +172,24 @@ impl Writer<'_> {
         let [reflected, transmitted] = [material.specular_reflection, material.specular_transmission];
         let [reflected, transmitted] = [self.rgb(reflected), self.rgb(transmitted)];
         if material.diffuse_reflection.amount + material.diffuse_transmission.amount > 0.0 {
-            self.approximated("is glass that also scatters diffusely", "it is clear");
+            self.approximated("the diffuse part of the glass", "it is clear");
         }
         let (name, reflectance, transmittance) = if material.two_sided {
             // Between two surfaces light goes back and forth: R' = 2R/(1 + R), T' = 1 - R'.
             let pane = 2.0 * surface / (1.0 + surface);
             if roughness > 0.0 {
-                self.approximated("is a rough pane", "it is smooth");
+                self.approximated("the roughness of the pane", "it is smooth");
             }
             ("thindielectric", reflected.map(|r| r / pane), transmitted.map(|t| t / (1.0 - pane)))
         } else {
             if transmitted.iter().any(|channel| channel.sqrt() / (1.0 - surface) < 0.99) {
-                self.approximated("absorbs inside of a solid", "each surface absorbs as 2.5 mm of it do");
+                self.approximated("the absorption inside", "each surface absorbs as 2.5 mm of it do");
             }
             let name = if roughness > 0.0 { "roughdielectric" } else { "dielectric" };
             (name, reflected.map(|r| r / surface), transmitted.map(|t| t.sqrt() / (1.0 - surface)))
         };
-        let reflectance = self.cut(reflectance, "reflects more than its index of refraction");
-        let transmittance = self.cut(transmittance, "transmits more than its index of refraction");
+        let reflectance = self.cut(reflectance, "a reflectance above that of the index of refraction");
+        let transmittance = self.cut(transmittance, "a transmittance above that of the index of refraction");
         let glass = self.plugin(name).with_float("int_ior", index).with_float("ext_ior", 1.0);
         let glass = glass.with_rgb("specular_reflectance", reflectance);
         rough(glass.with_rgb("specular_transmittance", transmittance), if material.two_sided { 0.0 } else { roughness })
@@ -199,7 +200,7 @@ impl Writer<'_> {
     }
 
     fn approximated(&mut self, what: &str, instead: &str) {
-        let notice = Notice::approximated(self.location, format!("material {} {what}", self.name), instead);
+        let notice = Notice::approximated(self.location, format!("{what} of material {}", self.name), instead);
         // Several components may say the same.
         if !self.notices.iter().rev().take(8).any(|known| *known == notice) {
             self.notices.push(notice);
@@ -213,12 +214,9 @@ impl Writer<'_> {
         }
         let (rgb, outside) = component.color.rgb(component.amount);
         if outside {
-            self.approximated(
-                "has a color outside of Rec. 709",
-                "the nearest color of the same luminance takes its place",
-            );
+            self.approximated("a color outside of Rec. 709", "the nearest color of the same luminance takes its place");
         }
-        self.cut(rgb, "has a color that cannot be so bright")
+        self.cut(rgb, "a color that cannot be so bright")
     }
 
     /// At most 1, with a notice when that changes something.

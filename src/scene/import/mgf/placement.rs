@@ -18,6 +18,8 @@ pub(super) struct Placement {
     steps: Vec<Step>,
     /// The copy that is being made: the index along every `-a`, the last of which changes fastest.
     indices: Vec<u32>,
+    /// How many copies there are along every `-a`.
+    counts: Vec<u32>,
 }
 
 /// A matrix and how often it applies.
@@ -29,22 +31,22 @@ struct Step {
 #[derive(Clone, Copy)]
 enum Repeat {
     Times(u32),
-    /// As often as the index of the copy says, below this number.
-    Copies(u32),
+    /// As often as the index of the copy says.
+    Index,
 }
 
 impl Placement {
     /// Reads the arguments of `entity` from `first` on.
     pub(super) fn read(entity: &Entity<'_>, first: usize) -> Result<Self, SceneError> {
         let mut steps = vec![Step { matrix: DMat4::IDENTITY, repeat: Repeat::Times(1) }];
+        let mut counts: Vec<u32> = Vec::new();
         let mut at = first;
-        let mut copies = 1_u64;
         while at < entity.words.len() {
             let flag = entity.word(at);
             let arguments = if let "-i" | "-a" = flag {
                 let count = count(entity, at + 1, u32::from(flag == "-a"))?;
-                let repeat = if flag == "-i" { Repeat::Times(count) } else { Repeat::Copies(count) };
-                copies = copies.saturating_mul(if flag == "-a" { u64::from(count) } else { 1 });
+                let repeat = if flag == "-i" { Repeat::Times(count) } else { Repeat::Index };
+                counts.extend((flag == "-a").then_some(count));
                 steps.push(Step { matrix: DMat4::IDENTITY, repeat });
                 1
             } else {
@@ -56,12 +58,11 @@ impl Placement {
             };
             at += 1 + arguments;
         }
-        if copies > COPY_LIMIT {
+        if counts.iter().fold(1_u64, |copies, count| copies.saturating_mul(u64::from(*count))) > COPY_LIMIT {
             let problem = format!("the arrays make more than {COPY_LIMIT} copies");
             return Err(entity.error(problem, "make smaller arrays"));
         }
-        let dimensions = steps.iter().filter(|step| matches!(step.repeat, Repeat::Copies(_))).count();
-        Ok(Self { steps, indices: vec![0; dimensions] })
+        Ok(Self { steps, indices: vec![0; counts.len()], counts })
     }
 
     /// The matrix of the copy that is being made.
@@ -70,7 +71,7 @@ impl Placement {
         self.steps.iter().fold(DMat4::IDENTITY, |matrix, step| {
             let times = match step.repeat {
                 Repeat::Times(times) => times,
-                Repeat::Copies(_) => indices.next().copied().unwrap_or_default(),
+                Repeat::Index => indices.next().copied().unwrap_or_default(),
             };
             power(step.matrix, times) * matrix
         })
@@ -78,14 +79,9 @@ impl Placement {
 
     /// Goes on to the next copy; false after the last.
     pub(super) fn advance(&mut self) -> bool {
-        let counts = self.steps.iter().filter_map(|step| match step.repeat {
-            Repeat::Copies(count) => Some(count),
-            Repeat::Times(_) => None,
-        });
-        let counts: Vec<u32> = counts.collect();
-        for (index, count) in self.indices.iter_mut().zip(counts).rev() {
+        for (index, count) in self.indices.iter_mut().zip(&self.counts).rev() {
             *index += 1;
-            if *index < count {
+            if *index < *count {
                 return true;
             }
             *index = 0;

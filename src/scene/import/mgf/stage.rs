@@ -135,16 +135,16 @@ impl Stage {
         }
         let (rgb, outside) = emission.color.rgb(emission.amount / (std::f64::consts::PI * LUMENS_PER_WATT));
         let mut approximated = |what: &str, instead: &str| {
-            self.notices.push(Notice::approximated(location, format!("material {name} {what}"), instead));
+            self.notices.push(Notice::approximated(location, format!("{what} of material {name}"), instead));
         };
         if outside {
             approximated(
-                "emits a color outside of Rec. 709",
+                "an emitted color outside of Rec. 709",
                 "the nearest color of the same luminance takes its place",
             );
         }
         if material.two_sided {
-            approximated("emits from both sides", "it emits from the front only");
+            approximated("the emission of the back", "only the front emits");
         }
         Some(rgb)
     }
