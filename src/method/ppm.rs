@@ -12,7 +12,7 @@
 //! | T | `HitPoint::throughput` | – |
 //!
 //! Limits: `samples_per_pixel` camera paths are all there ever are, so edges, lenses and the shares of light behind many
-//! layers of glass keep the error of so few samples; `sppm` has no such floor. A hit point takes 40 bytes.
+//! layers of glass keep the error of so few samples; `sppm` has no such floor. A hit point takes 48 bytes.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,6 +26,7 @@ use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, Prepare
 use crate::estimate::{PixelTally, Region};
 use crate::math::octahedral;
 use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::trigonometry::sin_cos_turn;
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::ray::{largest, position_error};
@@ -88,6 +89,45 @@ struct HitPoint {
     throughput: Rgb,
     /// Material, and segments from the camera in the top byte.
     material_and_segments: u32,
+    parameterization: Parameterization,
+}
+
+/// Texture coordinates as floats of 24 bits each, a 2¹⁶th exact; then the tangent's turn from that of [`Frame::from_normal`]
+/// in 15 bits, and whether the bitangent is mirrored. Fractions of integers would not do: how far coordinates go, and how
+/// they wrap, is each texture's own affair. All 0 where the shape needs none.
+#[derive(Clone, Copy, Debug)]
+struct Parameterization(u64);
+
+const TURNS: f32 = 32768.0;
+
+impl Parameterization {
+    fn new(hit: &Interaction) -> Self {
+        if !hit.shape.needs_uv {
+            return Self(0);
+        }
+        let [u, v] = hit.uv.to_array().map(|number| u64::from(number.to_bits().saturating_add(0x80) >> 8));
+        let plain = Frame::from_normal(hit.frame.normal);
+        let local = plain.to_local(hit.frame.tangent);
+        let turn = libm::atan2f(local.y, local.x) / std::f32::consts::TAU;
+        let turn = ((turn + 1.0) * TURNS + 0.5) as u64 % TURNS as u64;
+        let mirrored = hit.frame.normal.cross(hit.frame.tangent).dot(hit.frame.bitangent) < 0.0;
+        Self(u | v << 24 | turn << 48 | u64::from(mirrored) << 63)
+    }
+
+    fn uv(self) -> Vec2 {
+        Vec2::new(f32::from_bits((self.0 as u32) << 8), f32::from_bits(((self.0 >> 24) as u32) << 8))
+    }
+
+    fn frame(self, normal: Vec3) -> Frame {
+        let plain = Frame::from_normal(normal);
+        let (sin, cos) = sin_cos_turn((self.0 >> 48 & 0x7fff) as f32 / TURNS);
+        let side = if self.0 >> 63 == 1 { -1.0 } else { 1.0 };
+        Frame {
+            tangent: plain.tangent * cos + plain.bitangent * sin,
+            bitangent: (plain.bitangent * cos - plain.tangent * sin) * side,
+            normal,
+        }
+    }
 }
 
 /// The hit points of a region, and the emission that its pixels see.
@@ -113,6 +153,7 @@ impl HitPoint {
             directions,
             throughput: point.throughput,
             material_and_segments: hit.shape.material | point.segments.min(255) << MATERIAL_BITS,
+            parameterization: Parameterization::new(hit),
         }
     }
 
@@ -128,8 +169,8 @@ impl HitPoint {
         let hit = Interaction {
             position: self.position,
             geometric_normal,
-            frame: Frame::from_normal(if flat { geometric_normal } else { shading_normal }),
-            uv: Vec2::ZERO,
+            frame: self.parameterization.frame(if flat { geometric_normal } else { shading_normal }),
+            uv: self.parameterization.uv(),
             outgoing,
             distance: 0.0,
             shape: Shape::new(material),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
 
-use super::description::{Node, PluginClass, Value};
+use super::description::{Child, Node, PluginClass, Value};
 use super::error::{Location, SceneError, nearest_name};
 
 /// Reads the parameters of one [`Node`]; call [`Fields::finish`] when all have been asked for.
@@ -53,10 +53,14 @@ impl<'a> Fields<'a> {
         SceneError::new(self.location_of(name), problem, remedy)
     }
 
-    fn take(&mut self, name: &'static str) -> Option<&'a Value> {
+    fn know(&mut self, name: &'static str) {
         if !self.known.contains(&name) {
             self.known.push(name);
         }
+    }
+
+    fn take(&mut self, name: &'static str) -> Option<&'a Value> {
+        self.know(name);
         let index = self.node.parameters.iter().position(|parameter| parameter.name == name)?;
         self.used_parameters[index] = true;
         Some(&self.node.parameters[index].value)
@@ -159,6 +163,14 @@ impl<'a> Fields<'a> {
         Some(&self.node.children[index].node)
     }
 
+    /// The child of a class in slot `name`.
+    pub fn named_child(&mut self, class: PluginClass, name: &'static str) -> Option<&'a Arc<Node>> {
+        self.know(name);
+        let index = self.node.children.iter().position(|child| child.name == name && child.node.class == class)?;
+        self.used_children[index] = true;
+        Some(&self.node.children[index].node)
+    }
+
     /// All children of a class, in order.
     pub fn children(&mut self, class: PluginClass) -> Vec<&'a Arc<Node>> {
         std::iter::from_fn(|| self.child(class)).collect()
@@ -186,11 +198,31 @@ impl<'a> Fields<'a> {
             let remedy = if twice { "give it once".to_owned() } else { nearest_name(&parameter.name, &self.known) };
             return Err(SceneError::new(&parameter.location, problem, remedy));
         }
-        if let Some(index) = self.used_children.iter().position(|used| !used) {
-            let child = &self.node.children[index].node;
-            let problem = format!("{class} \"{plugin}\" cannot hold another {}", child.class.tag());
-            return Err(SceneError::new(&child.location, problem, "remove it or move it to where it belongs"));
+        match self.used_children.iter().position(|used| !used) {
+            Some(index) => Err(self.unwanted(&self.node.children[index])),
+            None => Ok(()),
         }
-        Ok(())
+    }
+
+    /// The error about a child that nobody asked for.
+    fn unwanted(&self, child: &Child) -> SceneError {
+        let (class, plugin, name) = (self.node.class.tag(), &self.node.plugin, child.name.as_str());
+        let location = &child.node.location;
+        let slots = child.node.class == PluginClass::Texture && class != PluginClass::Scene.tag();
+        if slots && !self.known.contains(&name) {
+            let problem = match name {
+                "" => format!("a texture of {class} \"{plugin}\" has no name"),
+                name => format!("{class} \"{plugin}\" has no parameter \"{name}\""),
+            };
+            return SceneError::new(location, problem, nearest_name(name, &self.known));
+        }
+        let given =
+            (self.node.children.iter().zip(&self.used_children)).any(|(other, used)| *used && other.name == name);
+        if slots && !given {
+            let problem = format!("parameter \"{name}\" of {class} \"{plugin}\" cannot be a texture");
+            return SceneError::new(location, problem, "give a plain value");
+        }
+        let problem = format!("{class} \"{plugin}\" cannot hold another {}", child.node.class.tag());
+        SceneError::new(location, problem, "remove it or move it to where it belongs")
     }
 }

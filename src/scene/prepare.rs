@@ -2,6 +2,7 @@
 
 mod instancing;
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::bundle::Bundle;
@@ -57,8 +58,9 @@ struct Builder<'a> {
     /// Index of a shape and the radiance of the light on it.
     area_lights: Vec<(usize, Rgb)>,
     materials: Vec<Material>,
-    /// Materials by the address of their node, so that shared nodes become one material.
-    material_of_node: Vec<(*const Node, u32)>,
+    /// Materials by the address of their node, so that shared nodes become one material, and whether they need texture
+    /// coordinates.
+    material_of_node: HashMap<*const Node, (u32, bool)>,
     instancing: Instancing,
     notices: Vec<String>,
 }
@@ -75,6 +77,9 @@ impl Scene {
         // Materials that no shape uses are checked all the same.
         for node in fields.children(PluginClass::Bsdf) {
             builder.material(node)?;
+        }
+        for node in fields.children(PluginClass::Texture) {
+            builder.textures.texture(node)?;
         }
         let sensor = fields.child(PluginClass::Sensor).ok_or_else(|| {
             SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
@@ -122,7 +127,7 @@ fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sens
             let outgoing = hit.frame.to_local(hit.outgoing);
             let material = &materials[hit.shape.material as usize];
             outgoing.z < 0.0
-                && material.sample(&View::new(Vec2::ZERO, outgoing, TransportMode::Radiance), [0.5; 3]).is_none()
+                && material.sample(&View::new(hit.uv, outgoing, TransportMode::Radiance), [0.5; 3]).is_none()
         })
     };
     if !(0..SIDE * SIDE).all(sees_black_back) {
@@ -140,7 +145,7 @@ impl<'a> Builder<'a> {
             shapes: Vec::new(),
             area_lights: Vec::new(),
             materials: Vec::new(),
-            material_of_node: Vec::new(),
+            material_of_node: HashMap::new(),
             instancing: Instancing::default(),
             notices: Vec::new(),
         }
@@ -167,14 +172,14 @@ impl<'a> Builder<'a> {
         };
         let mut fields = Fields::new(node);
         let geometry = read(&mut fields, self.bundle)?;
-        let material = match fields.child(PluginClass::Bsdf) {
+        let (material, needs_uv) = match fields.child(PluginClass::Bsdf) {
             Some(node) => self.material(node)?,
-            None => self.default_material(),
+            None => (self.default_material(), false),
         };
         let emitter = fields.child(PluginClass::Emitter).map(|node| read_area_light(node.as_ref())).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
-        Ok((Shape::new(material), geometry, emitter))
+        Ok((Shape { needs_uv, ..Shape::new(material) }, geometry, emitter))
     }
 
     /// A shape must have area, in numbers that single precision can hold.
@@ -191,15 +196,17 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    fn material(&mut self, node: &Arc<Node>) -> Result<u32, SceneError> {
+    /// The index of a material, and whether it needs texture coordinates.
+    fn material(&mut self, node: &Arc<Node>) -> Result<(u32, bool), SceneError> {
         let address = Arc::as_ptr(node);
-        if let Some((_, index)) = self.material_of_node.iter().find(|(known, _)| *known == address) {
-            return Ok(*index);
+        if let Some(known) = self.material_of_node.get(&address) {
+            return Ok(*known);
         }
+        let varying = self.textures.varying();
         self.materials.push(material::read(node, &mut self.textures)?);
-        let index = self.materials.len() as u32 - 1;
-        self.material_of_node.push((address, index));
-        Ok(index)
+        let read = (self.materials.len() as u32 - 1, self.textures.varying() > varying);
+        self.material_of_node.insert(address, read);
+        Ok(read)
     }
 
     /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5.

@@ -1,6 +1,6 @@
 //! One scattering event of a walk: sampling, the checks and corrections that shading normals need.
 
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Rgb, Vec3};
 use crate::scene::geometry::Interaction;
 use crate::scene::material::{Material, MaterialSample, TransportMode, View};
 
@@ -18,7 +18,7 @@ pub struct Scattering {
 /// The surface as the path that came to `hit` sees it, with all lobes.
 #[inline]
 pub fn view(hit: &Interaction, mode: TransportMode) -> View {
-    View::new(Vec2::ZERO, hit.frame.to_local(hit.outgoing), mode)
+    View::new(hit.uv, hit.frame.to_local(hit.outgoing), mode)
 }
 
 /// Samples `material` at `hit` with three numbers; `None` where the path ends.

@@ -119,7 +119,7 @@ const PLUGINS: [(PluginClass, &[&str]); 10] = [
             "timed_sunsky",
         ],
     ),
-    (PluginClass::Texture, &["bitmap", "checkerboard", "mesh_attribute", "volume"]),
+    (PluginClass::Texture, &["bitmap", "checkerboard", "mesh_attribute", "scale", "volume"]),
 ];
 
 /// Mitsuba's plugins of classes that photonfarm does not have.

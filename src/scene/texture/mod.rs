@@ -1,15 +1,84 @@
-//! Textures: what varies over a surface. Every parameter that may be textured is a [`Texture`]; most are constant.
+//! Textures: what varies over a surface. Every parameter that may be textured is a [`Texture`]; most are constant. One file
+//! per kind, one row in `textures!`; [`TextureReader`] reads them.
 
-use super::bundle::Bundle;
-use super::error::SceneError;
+pub mod bitmap;
+pub mod checkerboard;
+mod image_file;
+pub mod raster;
+pub mod reader;
+pub mod scale;
+mod to_uv;
+
+use std::sync::Arc;
+
+use super::error::{SceneError, nearest_name};
 use super::fields::Fields;
 use crate::math::{Rgb, Vec2, color};
 
-/// A color or a number over texture coordinates.
-#[derive(Clone, Debug)]
-pub enum Texture {
-    /// The same everywhere.
-    Constant(Rgb),
+pub use bitmap::Bitmap;
+pub use checkerboard::Checkerboard;
+pub use raster::Raster;
+pub use reader::TextureReader;
+pub use scale::Scale;
+
+/// Reads the parameters of a texture plugin.
+type ReadTexture = fn(&mut Fields<'_>, &mut TextureReader<'_>) -> Result<Texture, SceneError>;
+
+macro_rules! textures {
+    ($($kind:ident = $name:literal),+ $(,)?) => {
+        /// A color or a number over texture coordinates.
+        #[derive(Clone, Debug)]
+        pub enum Texture {
+            /// The same everywhere.
+            Constant(Rgb),
+            $(#[doc = concat!("See [`", stringify!($kind), "`].")] $kind(Arc<$kind>)),+
+        }
+
+        /// Texture plugins by name.
+        const TEXTURES: &[(&str, ReadTexture)] =
+            &[$(($name, |fields, textures| Ok(Texture::$kind(Arc::new($kind::read(fields, textures)?))))),+];
+
+        impl Texture {
+            /// The color at `uv`; linear Rec. 709.
+            #[inline]
+            pub fn color(&self, uv: Vec2) -> Rgb {
+                match self {
+                    Self::Constant(color) => *color,
+                    $(Self::$kind(texture) => texture.color(uv)),+
+                }
+            }
+
+            /// The derivatives of [`Texture::number`] by u and v.
+            pub fn gradient(&self, uv: Vec2) -> Vec2 {
+                match self {
+                    Self::Constant(_) => Vec2::ZERO,
+                    $(Self::$kind(texture) => texture.gradient(uv)),+
+                }
+            }
+
+            /// The mean color over texture space.
+            pub fn mean(&self) -> Rgb {
+                match self {
+                    Self::Constant(color) => *color,
+                    $(Self::$kind(texture) => texture.mean()),+
+                }
+            }
+
+            /// Bounds on every color that it takes, by channel: the smallest and the largest.
+            pub fn range(&self) -> [Rgb; 2] {
+                match self {
+                    Self::Constant(color) => [*color; 2],
+                    $(Self::$kind(texture) => texture.range()),+
+                }
+            }
+        }
+    };
+}
+
+textures! {
+    Bitmap = "bitmap",
+    Checkerboard = "checkerboard",
+    Scale = "scale",
 }
 
 impl Texture {
@@ -18,65 +87,31 @@ impl Texture {
         Self::Constant(Rgb::splat(value))
     }
 
-    /// The color at `uv`; linear Rec. 709.
-    #[inline]
-    pub fn color(&self, _uv: Vec2) -> Rgb {
-        match self {
-            Self::Constant(color) => *color,
-        }
-    }
-
     /// The number at `uv`: the luminance of a color.
     #[inline]
     pub fn number(&self, uv: Vec2) -> f32 {
-        match self {
-            Self::Constant(color) if color.x == color.y && color.y == color.z => color.x,
-            _ => color::luminance(self.color(uv)),
-        }
+        number_of(self.color(uv))
     }
 
     /// Whether it varies, so that surfaces need texture coordinates.
     pub fn varies(&self) -> bool {
-        match self {
-            Self::Constant(_) => false,
-        }
+        !matches!(self, Self::Constant(_))
     }
 }
 
-/// Reads parameters that may be textures, and keeps what several of them share.
-pub struct TextureReader<'a> {
-    /// The scene's files.
-    #[expect(dead_code, reason = "bitmaps read their files from here")]
-    bundle: &'a Bundle,
+/// A grey is its own luminance to the last bit.
+#[inline]
+fn number_of(rgb: Rgb) -> f32 {
+    if rgb.x == rgb.y && rgb.y == rgb.z { rgb.x } else { color::luminance(rgb) }
 }
 
-impl<'a> TextureReader<'a> {
-    /// A reader for a scene with these files.
-    pub fn new(bundle: &'a Bundle) -> Self {
-        Self { bundle }
-    }
-
-    /// A share of light within [0, 1] (more would make energy); `default` where it was not given.
-    pub fn share(&mut self, fields: &mut Fields<'_>, name: &'static str, default: f32) -> Result<Texture, SceneError> {
-        let texture = self.color(fields, name)?.unwrap_or(Texture::grey(default));
-        match &texture {
-            Texture::Constant(rgb) if rgb.max_element() > 1.0 => {
-                let problem =
-                    format!("\"{name}\" is {}, {}, {}: it would reflect more than arrives", rgb.x, rgb.y, rgb.z);
-                Err(fields.error(name, problem, "give numbers from 0 to 1"))
-            }
-            Texture::Constant(_) => Ok(texture),
-        }
-    }
-
-    /// A color of at least 0; `None` where it was not given.
-    pub fn color(&mut self, fields: &mut Fields<'_>, name: &'static str) -> Result<Option<Texture>, SceneError> {
-        let rgb = fields.rgb(name)?;
-        Ok(rgb.map(|rgb| Texture::Constant(Rgb::from_array(rgb.map(|channel| channel as f32)))))
-    }
-
-    /// A number; `None` where it was not given. Its range is for the caller to check.
-    pub fn number(&mut self, fields: &mut Fields<'_>, name: &'static str) -> Result<Option<Texture>, SceneError> {
-        Ok(fields.float(name)?.map(|number| Texture::grey(number as f32)))
-    }
+/// Reads the plugin at `fields` by its row of the table.
+fn read_plugin(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
+    let plugin = &fields.node().plugin;
+    let Some((_, read)) = TEXTURES.iter().find(|(name, _)| name == plugin) else {
+        let known: Vec<&str> = TEXTURES.iter().map(|(name, _)| *name).collect();
+        let problem = format!("there is no texture \"{plugin}\"");
+        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, &known)));
+    };
+    read(fields, textures)
 }

@@ -1,0 +1,57 @@
+//! `checkerboard`: two colors in turn, four fields to a unit square of texture coordinates.
+//!
+//! | parameter | meaning | default |
+//! |---|---|---|
+//! | `color0` | color, or texture, of the fields at the corners (0, 0) and (1, 1) | 0.4 |
+//! | `color1` | color, or texture, of the others | 0.2 |
+//! | `to_uv` | transform of texture coordinates | identity |
+
+use glam::Affine2;
+
+use super::{Texture, TextureReader, to_uv};
+use crate::math::{Rgb, Vec2};
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// Two textures in turn.
+#[derive(Clone, Debug)]
+pub struct Checkerboard {
+    colors: [Texture; 2],
+    to_uv: Affine2,
+}
+
+impl Checkerboard {
+    /// Reads the parameters.
+    pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
+        let first = textures.color(fields, "color0")?.unwrap_or(Texture::grey(0.4));
+        let second = textures.color(fields, "color1")?.unwrap_or(Texture::grey(0.2));
+        Ok(Self { colors: [first, second], to_uv: to_uv::read(fields)? })
+    }
+
+    fn at(&self, uv: Vec2) -> &Texture {
+        let place = self.to_uv.transform_point2(uv);
+        let place = place - place.floor();
+        &self.colors[usize::from((place.x > 0.5) != (place.y > 0.5))]
+    }
+
+    /// The color at `uv`.
+    pub fn color(&self, uv: Vec2) -> Rgb {
+        self.at(uv).color(uv)
+    }
+
+    /// That within the field: the steps between fields have none.
+    pub fn gradient(&self, uv: Vec2) -> Vec2 {
+        self.at(uv).gradient(uv)
+    }
+
+    /// Half of each.
+    pub fn mean(&self) -> Rgb {
+        (self.colors[0].mean() + self.colors[1].mean()) * 0.5
+    }
+
+    /// Those of both.
+    pub fn range(&self) -> [Rgb; 2] {
+        let [first, second] = [self.colors[0].range(), self.colors[1].range()];
+        [first[0].min(second[0]), first[1].max(second[1])]
+    }
+}

@@ -1,0 +1,151 @@
+//! Reading parameters that may be textures; images and textures that are used several times are kept once.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::{Raster, Texture, image_file};
+use crate::math::Rgb;
+use crate::scene::bundle::Bundle;
+use crate::scene::description::{Node, PluginClass};
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
+
+/// The most memory that all images of a scene may take, bytes.
+const MOST_BYTES: u64 = 2 << 30;
+
+/// What of an image file is wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ImageChoice {
+    /// Integers stand for themselves, else they are sRGB.
+    pub(super) raw: bool,
+    /// One channel: 0 to 3 for red, green, blue, alpha; all colors when `None`.
+    pub(super) channel: Option<usize>,
+}
+
+/// Reads parameters that may be textures, and keeps what several of them share.
+pub struct TextureReader<'a> {
+    /// The scene's files.
+    bundle: &'a Bundle,
+    images: HashMap<(String, ImageChoice), Arc<Raster>>,
+    /// Textures by the address of their node, so that shared nodes become one texture.
+    texture_of_node: HashMap<*const Node, Texture>,
+    /// Memory of all images, bytes.
+    bytes: u64,
+    /// How many parameters turned out to be textures that vary.
+    varying: usize,
+}
+
+impl<'a> TextureReader<'a> {
+    /// A reader for a scene with these files.
+    pub fn new(bundle: &'a Bundle) -> Self {
+        let (images, texture_of_node) = (HashMap::new(), HashMap::new());
+        Self { bundle, images, texture_of_node, bytes: 0, varying: 0 }
+    }
+
+    /// How many parameters so far were textures that vary: what was read in between needs texture coordinates when this
+    /// has grown.
+    pub fn varying(&self) -> usize {
+        self.varying
+    }
+
+    /// A share of light within [0, 1] (more would make energy); `default` where it was not given.
+    pub fn share(&mut self, fields: &mut Fields<'_>, name: &'static str, default: f32) -> Result<Texture, SceneError> {
+        let texture = self.color(fields, name)?.unwrap_or(Texture::grey(default));
+        let [_, largest] = texture.range();
+        if largest.max_element() > 1.0 {
+            let (what, remedy) = match texture {
+                Texture::Constant(_) => ("is", "give numbers from 0 to 1"),
+                _ => ("goes up to", "scale it to 0 to 1"),
+            };
+            let Rgb { x, y, z } = largest;
+            let problem = format!("\"{name}\" {what} {x}, {y}, {z}: it would reflect more than arrives");
+            return Err(fields.error(name, problem, remedy));
+        }
+        Ok(texture)
+    }
+
+    /// A color of at least 0; `None` where it was not given.
+    pub fn color(&mut self, fields: &mut Fields<'_>, name: &'static str) -> Result<Option<Texture>, SceneError> {
+        let Some(texture) = self.nested(fields, name)? else {
+            let rgb = fields.rgb(name)?;
+            return Ok(rgb.map(|rgb| Texture::Constant(Rgb::from_array(rgb.map(|channel| channel as f32)))));
+        };
+        let [smallest, _] = texture.range();
+        if smallest.min_element() < 0.0 {
+            let Rgb { x, y, z } = smallest;
+            let problem = format!("\"{name}\" goes down to {x}, {y}, {z}");
+            return Err(fields.error(name, problem, "replace the image's negative values"));
+        }
+        Ok(Some(texture))
+    }
+
+    /// A number; `None` where it was not given. Its range ([`Texture::range`]) is for the caller to check.
+    pub fn number(&mut self, fields: &mut Fields<'_>, name: &'static str) -> Result<Option<Texture>, SceneError> {
+        match self.nested(fields, name)? {
+            Some(texture) => Ok(Some(texture)),
+            None => Ok(fields.float(name)?.map(|number| Texture::grey(number as f32))),
+        }
+    }
+
+    /// The texture that is nested in slot `name`.
+    fn nested(&mut self, fields: &mut Fields<'_>, name: &'static str) -> Result<Option<Texture>, SceneError> {
+        let Some(node) = fields.named_child(PluginClass::Texture, name) else { return Ok(None) };
+        if fields.has(name) {
+            let problem = format!("\"{name}\" is given as a value and as a texture");
+            return Err(fields.error(name, problem, "remove one of them"));
+        }
+        self.texture(node).map(Some)
+    }
+
+    /// Reads a texture node.
+    pub fn texture(&mut self, node: &Arc<Node>) -> Result<Texture, SceneError> {
+        let address = Arc::as_ptr(node);
+        let texture = match self.texture_of_node.get(&address) {
+            Some(texture) => texture.clone(),
+            None => {
+                let mut fields = Fields::new(node);
+                let texture = super::read_plugin(&mut fields, self)?;
+                fields.finish()?;
+                self.texture_of_node.insert(address, texture.clone());
+                texture
+            }
+        };
+        self.varying += usize::from(texture.varies());
+        Ok(texture)
+    }
+
+    /// The image that the plugin's `filename` names.
+    pub(super) fn image(&mut self, fields: &mut Fields<'_>, choice: ImageChoice) -> Result<Arc<Raster>, SceneError> {
+        let Some(name) = fields.string("filename")? else {
+            let problem = format!("\"{}\" has no \"filename\"", fields.node().plugin);
+            return Err(SceneError::new(fields.location(), problem, "name the image file"));
+        };
+        let key = (name.to_owned(), choice);
+        if let Some(raster) = self.images.get(&key) {
+            return Ok(raster.clone());
+        }
+        let bytes = self.bundle.read(name, fields.location_of("filename"))?;
+        let raster = image_file::decode(&bytes, name, choice)
+            .map_err(|(problem, remedy)| fields.error("filename", format!("image \"{name}\": {problem}"), remedy))?;
+        self.bytes += raster.bytes();
+        if self.bytes > MOST_BYTES {
+            let problem = format!("the scene's images take more than {} GiB of memory", MOST_BYTES >> 30);
+            return Err(fields.error("filename", problem, "make some of them smaller"));
+        }
+        let raster = Arc::new(raster);
+        self.images.insert(key, raster.clone());
+        Ok(raster)
+    }
+
+    /// The colors of the image that the plugin's `filename` names, none of them negative.
+    pub fn colors(&mut self, fields: &mut Fields<'_>) -> Result<Arc<Raster>, SceneError> {
+        let raster = self.image(fields, ImageChoice { raw: false, channel: None })?;
+        match raster.range()[0].min_element() < 0.0 {
+            false => Ok(raster),
+            true => {
+                let problem = "the image has negative values";
+                Err(fields.error("filename", problem, "replace them: light cannot be negative"))
+            }
+        }
+    }
+}
