@@ -393,7 +393,7 @@ fn chi_square_direct_light_of_a_cylinder() {
 fn chi_square_direct_light_of_an_environment() {
     let body = "<shape type='cube'/><emitter type='constant'><rgb name='radiance' value='3, 2, 1'/></emitter>";
     let scene = scene(body);
-    let (radiance, pdf) = scene.lights.environment().expect("there is an environment");
+    let (radiance, pdf) = scene.lights.environment(Vec3::Y).expect("there is an environment");
     assert_eq!(radiance, Rgb::new(3.0, 2.0, 1.0));
     let samples = (0..SAMPLES).map(|sample| {
         let u = numbers(59, sample);

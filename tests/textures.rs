@@ -1,25 +1,18 @@
 //! Textures through `Scene::prepare`: every file format at known texture coordinates, filters, wraps and transforms, and
 //! what users read when a texture cannot be.
 
+#[path = "support/scene_files.rs"]
+mod scene_files;
+
 use std::f32::consts::PI;
 use std::io::Cursor;
-use std::sync::Arc;
 
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb as Pixel, Rgba};
 use photonfarm::math::{Rgb, Vec2, Vec3};
-use photonfarm::scene::bundle::Bundle;
+use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
-use photonfarm::scene::import::load_bytes;
 use photonfarm::scene::material::{TransportMode, View};
-use photonfarm::scene::{Scene, SceneError};
-
-fn prepare(body: &str, files: &[(&str, &[u8])]) -> Result<Scene, SceneError> {
-    let text = format!("<scene version='3.0.0'>{body}</scene>");
-    let mut description = load_bytes("test.xml", text.as_bytes(), &[])?;
-    let files = files.iter().map(|(name, bytes)| ((*name).to_owned(), Arc::from(*bytes)));
-    description.bundle = Bundle::Archive(Arc::new(files.collect()));
-    Scene::prepare(&description)
-}
+use scene_files::{exr_file, prepare};
 
 /// A lit rectangle with a reflectance.
 fn body(texture: &str) -> String {
@@ -59,16 +52,6 @@ fn linear(encoded: f32) -> f32 {
 fn encode(image: impl Into<DynamicImage>, format: ImageFormat) -> Vec<u8> {
     let mut file = Cursor::new(Vec::new());
     image.into().write_to(&mut file, format).expect("images can be written");
-    file.into_inner()
-}
-
-fn exr_file(width: usize, height: usize, color: impl Fn(usize, usize) -> (f32, f32, f32) + Sync) -> Vec<u8> {
-    use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, WritableImage};
-    let channels = SpecificChannels::rgb(|place: exr::prelude::Vec2<usize>| color(place.x(), place.y()));
-    let image =
-        Image::from_layer(Layer::new((width, height), LayerAttributes::default(), Encoding::FAST_LOSSLESS, channels));
-    let mut file = Cursor::new(Vec::new());
-    image.write().non_parallel().to_buffered(&mut file).expect("images can be written");
     file.into_inner()
 }
 
@@ -125,7 +108,7 @@ fn textures_of_16_bits_keep_them() {
 fn textures_of_floats_are_linear() {
     let colors = [[0.0, 0.25, 1.0], [0.5, 0.125, 0.0625], [0.75, 0.5, 0.25], [1.0, 0.5, 0.5]];
     let at = |x: usize, y: usize| colors[2 * y + x];
-    let exr = exr_file(2, 2, |x, y| at(x, y).into());
+    let exr = exr_file(2, 2, at);
     let hdr = ImageBuffer::<Pixel<f32>, _>::from_raw(2, 2, colors.concat()).expect("the size is right");
     let hdr = encode(hdr, ImageFormat::Hdr);
     for (name, file) in [("a.exr", &exr), ("a.hdr", &hdr)] {
@@ -254,9 +237,9 @@ fn textures_are_found_by_reference_and_reach_the_hit() {
 #[test]
 fn textures_that_cannot_be() {
     let png = encode(bytes_2x2(), ImageFormat::Png);
-    let bright = exr_file(2, 2, |x, _| (0.5, x as f32 * 1.5, 0.0));
-    let negative = exr_file(2, 2, |x, _| (0.5, -(x as f32), 0.0));
-    let infinite = exr_file(2, 2, |x, _| (0.5, 1.0 / x as f32, 0.0));
+    let bright = exr_file(2, 2, |x, _| [0.5, x as f32 * 1.5, 0.0]);
+    let negative = exr_file(2, 2, |x, _| [0.5, -(x as f32), 0.0]);
+    let infinite = exr_file(2, 2, |x, _| [0.5, 1.0 / x as f32, 0.0]);
     // The header says 60 000 × 60 000.
     let mut vast = png.clone();
     vast[16..24].copy_from_slice(&[0, 0, 0xea, 0x60, 0, 0, 0xea, 0x60]);

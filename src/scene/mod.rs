@@ -13,6 +13,7 @@ pub mod import;
 pub mod light;
 pub mod material;
 pub mod prepare;
+pub mod relief;
 pub mod texture;
 
 pub use camera::Camera;

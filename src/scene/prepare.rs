@@ -13,11 +13,13 @@ use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::SHAPES;
-use super::geometry::{Geometry, Shape};
-use super::light::area::read_radiance;
-use super::light::{AreaLight, Constant, Directional, Light, LightTable, Point, Spot, Surroundings};
+use super::geometry::{Geometry, Interaction, Ray, Shape};
+use super::light::{
+    AreaLight, Constant, Directional, EnvironmentMap, Light, LightTable, Point, Spot, Surroundings, area,
+};
 use super::material::{self, Lobes, Material, TransportMode, View};
-use super::texture::TextureReader;
+use super::relief::{self, Relief};
+use super::texture::{Texture, TextureReader};
 use crate::math::{Rgb, Vec2};
 use instancing::Instancing;
 
@@ -33,6 +35,8 @@ pub struct Scene {
     pub geometry: Geometry,
     /// All materials; shapes hold indices.
     pub materials: Vec<Material>,
+    /// Their reliefs, by the same indices; empty when there are none at all.
+    pub reliefs: Vec<Option<Relief>>,
     /// All lights.
     pub lights: LightTable,
     /// The method that the scene's `<integrator>` asks for; `None` when there is none.
@@ -56,8 +60,10 @@ struct Builder<'a> {
     textures: TextureReader<'a>,
     shapes: Vec<(Shape, ShapeGeometry)>,
     /// Index of a shape and the radiance of the light on it.
-    area_lights: Vec<(usize, Rgb)>,
+    area_lights: Vec<(usize, Texture)>,
     materials: Vec<Material>,
+    /// As many as materials.
+    reliefs: Vec<Option<Relief>>,
     /// Materials by the address of their node, so that shared nodes become one material, and whether they need texture
     /// coordinates.
     material_of_node: HashMap<*const Node, (u32, bool)>,
@@ -92,17 +98,33 @@ impl Scene {
         if builder.shapes.is_empty() && builder.instancing.is_empty() {
             return Err(SceneError::new(&root.location, "the scene has no shapes", "add at least one <shape>"));
         }
-        let Builder { shapes, area_lights, materials, instancing, notices, .. } = builder;
+        let Builder { mut textures, shapes, area_lights, materials, mut reliefs, instancing, notices, .. } = builder;
+        if reliefs.iter().all(Option::is_none) {
+            reliefs.clear();
+        }
         let (geometry, members) = Geometry::build(shapes);
         let mut geometry = instancing.add_to(geometry);
-        let lights = light_table(&mut geometry, &members, &area_lights, &emitters, root)?;
+        let mut lights = Vec::new();
+        place_area_lights(&mut geometry, &members, area_lights, &mut lights);
+        let lights = light_table(&geometry, lights, &emitters, &mut textures, root)?;
         check_view(&camera, &geometry, &materials, sensor)?;
-        Ok(Self { width: film.width, height: film.height, camera, geometry, materials, lights, integrator, notices })
+        let Film { width, height } = film;
+        Ok(Self { width, height, camera, geometry, materials, reliefs, lights, integrator, notices })
     }
 
     /// How many pixels the picture has.
     pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// The first surface along `ray`, with the shading normal that its relief gives it.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
+        let mut hit = self.geometry.intersect(ray)?;
+        if let Some(Some(relief)) = self.reliefs.get(hit.shape.material as usize) {
+            relief.turn(&self.geometry, &mut hit);
+        }
+        Some(hit)
     }
 
     /// The material of a shape.
@@ -145,6 +167,7 @@ impl<'a> Builder<'a> {
             shapes: Vec::new(),
             area_lights: Vec::new(),
             materials: Vec::new(),
+            reliefs: Vec::new(),
             material_of_node: HashMap::new(),
             instancing: Instancing::default(),
             notices: Vec::new(),
@@ -156,7 +179,7 @@ impl<'a> Builder<'a> {
             return self.add_instancing(node);
         }
         let (shape, geometry, radiance) = self.read_shape(node)?;
-        if let Some(radiance) = radiance.filter(|radiance| *radiance != Rgb::ZERO) {
+        if let Some(radiance) = radiance {
             self.area_lights.push((self.shapes.len(), radiance));
         }
         self.shapes.push((shape, geometry));
@@ -164,7 +187,7 @@ impl<'a> Builder<'a> {
     }
 
     /// A shape that is made of primitives, and the radiance of the light on it.
-    fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Rgb>), SceneError> {
+    fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Texture>), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
             let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).collect();
             let problem = format!("there is no shape \"{}\"", node.plugin);
@@ -176,9 +199,12 @@ impl<'a> Builder<'a> {
             Some(node) => self.material(node)?,
             None => (self.default_material(), false),
         };
-        let emitter = fields.child(PluginClass::Emitter).map(|node| read_area_light(node.as_ref())).transpose()?;
+        let emitter = fields.child(PluginClass::Emitter);
+        let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
+        let emitter = emitter.filter(|radiance| radiance.range()[1] != Rgb::ZERO);
+        let needs_uv = needs_uv || emitter.as_ref().is_some_and(Texture::varies);
         Ok((Shape { needs_uv, ..Shape::new(material) }, geometry, emitter))
     }
 
@@ -203,8 +229,11 @@ impl<'a> Builder<'a> {
             return Ok(*known);
         }
         let varying = self.textures.varying();
-        self.materials.push(material::read(node, &mut self.textures)?);
-        let read = (self.materials.len() as u32 - 1, self.textures.varying() > varying);
+        let (plain, relief) = relief::take_off(node, &mut self.textures)?;
+        self.materials.push(material::read(&plain, &mut self.textures)?);
+        let needs_uv = relief.is_some() || self.textures.varying() > varying;
+        self.reliefs.push(relief);
+        let read = (self.materials.len() as u32 - 1, needs_uv);
         self.material_of_node.insert(address, read);
         Ok(read)
     }
@@ -212,11 +241,12 @@ impl<'a> Builder<'a> {
     /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5.
     fn default_material(&mut self) -> u32 {
         self.materials.push(Material::default_grey());
+        self.reliefs.push(None);
         self.materials.len() as u32 - 1
     }
 }
 
-fn read_area_light(node: &Node) -> Result<Rgb, SceneError> {
+fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
     if node.plugin != "area" {
         let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
         return Err(SceneError::new(
@@ -226,31 +256,38 @@ fn read_area_light(node: &Node) -> Result<Rgb, SceneError> {
         ));
     }
     let mut fields = Fields::new(node);
-    let radiance = read_radiance(&mut fields)?;
+    let radiance = area::read_radiance(&mut fields, textures)?;
     fields.finish()?;
     Ok(radiance)
 }
 
-fn light_table(
+/// Turns the shapes that emit into lights.
+fn place_area_lights(
     geometry: &mut Geometry,
     members: &[Vec<u32>],
-    area_lights: &[(usize, Rgb)],
-    emitters: &[&Arc<Node>],
-    root: &Node,
-) -> Result<LightTable, SceneError> {
-    let mut lights = Vec::new();
+    area_lights: Vec<(usize, Texture)>,
+    lights: &mut Vec<Light>,
+) {
     for (shape, radiance) in area_lights {
-        if let Some(light) = AreaLight::new(*radiance, members[*shape].clone(), geometry) {
-            geometry.set_light(*shape, lights.len() as u32);
+        if let Some(light) = AreaLight::new(radiance, members[shape].clone(), geometry) {
+            geometry.set_light(shape, lights.len() as u32);
             lights.push(Light::AreaLight(light));
         }
     }
+}
+
+fn light_table(
+    geometry: &Geometry,
+    mut lights: Vec<Light>,
+    emitters: &[&Arc<Node>],
+    textures: &mut TextureReader<'_>,
+    root: &Node,
+) -> Result<LightTable, SceneError> {
     let (center, radius) = geometry.bounding_sphere();
     let surroundings = Surroundings { center, radius };
     for node in emitters {
-        let light = read_emitter(node, surroundings)?;
-        let second = matches!(light, Light::Constant(_)) && lights.iter().any(|l| matches!(l, Light::Constant(_)));
-        if second {
+        let light = read_emitter(node, surroundings, textures)?;
+        if light.is_environment() && lights.iter().any(Light::is_environment) {
             return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
         }
         lights.push(light);
@@ -260,15 +297,20 @@ fn light_table(
     })
 }
 
-const EMITTERS: &[&str] = &["point", "spot", "directional", "constant"];
+const EMITTERS: &[&str] = &["point", "spot", "directional", "constant", "envmap"];
 
-fn read_emitter(node: &Node, surroundings: Surroundings) -> Result<Light, SceneError> {
+fn read_emitter(
+    node: &Node,
+    surroundings: Surroundings,
+    textures: &mut TextureReader<'_>,
+) -> Result<Light, SceneError> {
     let mut fields = Fields::new(node);
     let light = match node.plugin.as_str() {
         "point" => Light::Point(Point::read(&mut fields)?),
         "spot" => Light::Spot(Spot::read(&mut fields)?),
         "directional" => Light::Directional(Directional::read(&mut fields, surroundings)?),
-        "constant" => Light::Constant(Constant::new(read_radiance(&mut fields)?, surroundings)),
+        "constant" => Light::Constant(Constant::read(&mut fields, surroundings)?),
+        "envmap" => Light::EnvironmentMap(EnvironmentMap::read(&mut fields, textures, surroundings)?),
         "area" => {
             let problem = "emitter \"area\" stands outside a shape";
             return Err(SceneError::new(&node.location, problem, "nest it in the shape that emits"));

@@ -105,10 +105,10 @@ impl CameraWalk {
         }
         self.segments += 1;
         counters.rays += 1;
-        let found = scene.geometry.intersect(&self.ray);
+        let found = scene.intersect(&self.ray);
         let emitted = match &found {
             Some(hit) => scene.lights.emitted(&scene.geometry, self.ray.origin, hit),
-            None => scene.lights.environment(),
+            None => scene.lights.environment(self.ray.direction),
         };
         if let Some((emitted, light_pdf)) = emitted {
             *radiance += self.throughput * emitted * self.emission_share(light_pdf);

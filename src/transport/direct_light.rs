@@ -69,9 +69,9 @@ fn sample_material(scene: &Scene, point: &GatherPoint, random: &PathRandom, coun
         return Rgb::ZERO;
     }
     counters.rays += 1;
-    let arriving = match scene.geometry.intersect(&ray) {
+    let arriving = match scene.intersect(&ray) {
         Some(next) => scene.lights.emitted(&scene.geometry, ray.origin, &next),
-        None => scene.lights.environment(),
+        None => scene.lights.environment(ray.direction),
     };
     match arriving {
         Some((radiance, pdf)) => scattering.weight * radiance * power_heuristic(scattering.sample.pdf, pdf),

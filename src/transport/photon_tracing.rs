@@ -56,7 +56,7 @@ pub fn trace_photon(
             return;
         }
         counters.rays += 1;
-        let Some(hit) = scene.geometry.intersect(&ray) else { return };
+        let Some(hit) = scene.intersect(&ray) else { return };
         let material = scene.material(hit.shape);
         let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
         if segments >= settings.first_stored_segment && material.lobes().any(takers) {

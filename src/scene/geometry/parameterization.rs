@@ -77,7 +77,8 @@ impl Geometry {
         hit.frame = tangent_frame(hit.frame.normal, tangent, mirrored);
     }
 
-    fn uv_at(&self, primitive: u32, position: Vec3, barycentric: [f32; 2]) -> Vec2 {
+    /// Texture coordinates at a point of the primitive at a tree index; only triangles look at `barycentric`.
+    pub(in crate::scene) fn uv_at(&self, primitive: u32, position: Vec3, barycentric: [f32; 2]) -> Vec2 {
         match self.coordinates.get(primitive) {
             Some([a, b, c]) => *a + (*b - *a) * barycentric[0] + (*c - *a) * barycentric[1],
             None => self.primitive(primitive).uv(position, barycentric),

@@ -1,42 +1,78 @@
-//! `area`: a shape that emits the same radiance from every point of its outside, into every direction.
+//! `area`: a shape whose outside emits the same radiance into every direction.
 //!
 //! | parameter | meaning | unit | default |
 //! |---|---|---|---|
-//! | `radiance` | emitted radiance | W·sr⁻¹·m⁻² | 1 |
+//! | `radiance` | emitted radiance, also a texture | W·sr⁻¹·m⁻² | 1 |
+//!
+//! Of a textured light, triangles are picked by the power that a few points of each suggest, and points uniformly in them:
+//! bright spots within a large rectangle or triangle are found by chance, which is right but noisy.
 
 use std::f32::consts::PI;
 
 use super::{DirectSample, EmittedPhoton};
+use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
-use crate::math::{Frame, Rgb, Vec3, warp};
+use crate::math::{Frame, Rgb, Vec2, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::geometry::ray::SurfacePoint;
 use crate::scene::geometry::{Geometry, Interaction, Primitive};
+use crate::scene::texture::{Texture, TextureReader};
 
 /// An emitting shape.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
-    radiance: Rgb,
-    /// Tree indices of its primitives.
+    radiance: Texture,
+    /// Tree indices of its primitives, ascending.
     primitives: Vec<u32>,
-    /// Over `primitives`, by area.
-    by_area: Discrete,
+    /// Over `primitives`: by area, or by power where the radiance varies.
+    picks: Discrete,
     area: f32,
+    power: Rgb,
 }
 
+/// Points at which the power of a textured light is estimated, shared among its primitives.
+const PROBES: usize = 1 << 16;
+/// The share of picks that goes by area alone, so that no part that the probes missed is left out.
+const PICKS_BY_AREA: f64 = 0.125;
+
 /// Reads `radiance`.
-pub fn read_radiance(fields: &mut Fields<'_>) -> Result<Rgb, SceneError> {
-    let rgb = fields.rgb("radiance")?.unwrap_or([1.0; 3]);
-    Ok(Rgb::new(rgb[0] as f32, rgb[1] as f32, rgb[2] as f32))
+pub fn read_radiance(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
+    Ok(textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0)))
+}
+
+/// The mean radiance of a primitive at the points of a lattice [R₂ sequence, Roberts 2018].
+fn probed_radiance(radiance: &Texture, primitive: u32, probes: usize, geometry: &Geometry) -> Rgb {
+    let sum = (0..probes).map(|probe| {
+        let u = [0.754_877_666, 0.569_840_291].map(|step: f64| (0.5 + step * probe as f64).fract() as f32);
+        radiance.color(geometry.sample_with_uv(primitive, u).1).as_dvec3()
+    });
+    (sum.sum::<glam::DVec3>() / probes as f64).as_vec3()
 }
 
 impl AreaLight {
-    /// A light over the primitives at tree indices `primitives`; `None` when they have no area.
-    pub fn new(radiance: Rgb, primitives: Vec<u32>, geometry: &Geometry) -> Option<Self> {
+    /// A light over the primitives at tree indices `primitives`, ascending; `None` when they have no area.
+    pub fn new(radiance: Texture, primitives: Vec<u32>, geometry: &Geometry) -> Option<Self> {
         let areas: Vec<f64> = primitives.iter().map(|index| f64::from(geometry.primitive(*index).area())).collect();
         let by_area = Discrete::new(&areas)?;
         let area = by_area.total() as f32;
-        Some(Self { radiance, primitives, by_area, area })
+        if let Texture::Constant(color) = radiance {
+            return Some(Self { power: color * (PI * area), radiance, primitives, picks: by_area, area });
+        }
+        let probes = (PROBES / primitives.len()).clamp(1, 4096);
+        let means: Vec<Rgb> =
+            primitives.iter().map(|index| probed_radiance(&radiance, *index, probes, geometry)).collect();
+        let flux: Rgb = means.iter().zip(&areas).map(|(mean, area)| *mean * *area as f32).sum();
+        // Where every probe found black, the texture's own mean stands for it: some of it may be lit after all.
+        let found = luminance(flux) > 0.0;
+        let power = PI * if found { flux } else { radiance.mean().max(Rgb::splat(f32::MIN_POSITIVE)) * area };
+        let brightness = f64::from(luminance(power)) / by_area.total();
+        let weight = |(mean, area): (&Rgb, &f64)| {
+            let probed = if found { PI * luminance(*mean) } else { 0.0 };
+            area * (f64::from(probed) * (1.0 - PICKS_BY_AREA) + brightness * PICKS_BY_AREA)
+        };
+        let weights: Vec<f64> = means.iter().zip(&areas).map(weight).collect();
+        Some(Self { radiance, primitives, picks: Discrete::new(&weights)?, area, power })
     }
 
     /// Tree indices of its primitives.
@@ -44,15 +80,39 @@ impl AreaLight {
         &self.primitives
     }
 
-    /// π·A·L: one side emits.
+    /// π·A·L, since one side emits; of a textured light an estimate.
     pub fn power(&self) -> Rgb {
-        self.radiance * (PI * self.area)
+        self.power
     }
 
     /// The radiance, where the outside is seen.
     #[inline]
     pub fn emitted(&self, hit: &Interaction) -> Rgb {
-        if hit.frame.normal.dot(hit.outgoing) > 0.0 { self.radiance } else { Rgb::ZERO }
+        if hit.geometric_normal.dot(hit.outgoing) > 0.0 { self.radiance.color(hit.uv) } else { Rgb::ZERO }
+    }
+
+    /// A point of the light, its radiance there and one over the density by area, m².
+    #[inline]
+    fn sample_point(&self, geometry: &Geometry, u: [f32; 2]) -> (SurfacePoint, Rgb, f32) {
+        let (pick, rest) = self.picks.pick(u[0]);
+        let primitive = self.primitives[pick];
+        if let Texture::Constant(radiance) = self.radiance {
+            return (geometry.primitive(primitive).sample([rest, u[1]]), radiance, self.area);
+        }
+        let (point, uv) = geometry.sample_with_uv(primitive, [rest, u[1]]);
+        (point, self.radiance.color(uv), geometry.primitive(primitive).area() / self.picks.probability(pick))
+    }
+
+    /// One over the density by area of [`AreaLight::sample_point`] on the primitive at a tree index, m².
+    #[inline]
+    fn area_per_pick(&self, geometry: &Geometry, primitive: u32) -> f32 {
+        if !self.radiance.varies() {
+            return self.area;
+        }
+        match self.primitives.binary_search(&primitive) {
+            Ok(pick) => geometry.primitive(primitive).area() / self.picks.probability(pick),
+            Err(_) => f32::INFINITY,
+        }
     }
 
     fn single_sphere(&self, geometry: &Geometry) -> Option<crate::scene::geometry::sphere::Sphere> {
@@ -62,15 +122,21 @@ impl AreaLight {
         }
     }
 
-    /// A point uniform by area, or in the cone that a sphere fills.
+    /// A point by area and power, or in the cone that a sphere fills.
     #[inline]
     pub fn sample_direct(&self, geometry: &Geometry, point: Vec3, u: [f32; 2]) -> Option<DirectSample> {
         let in_cone = self.single_sphere(geometry).and_then(|sphere| sphere.sample_cone(point, u));
-        let (target, cone_pdf) = match in_cone {
-            Some((target, pdf)) => (target, Some(pdf)),
+        let (target, radiance, cone_or_area) = match in_cone {
+            Some((target, pdf)) => {
+                let uv = match self.radiance.varies() {
+                    true => geometry.uv_at(self.primitives[0], target.position, [0.0; 2]),
+                    false => Vec2::ZERO,
+                };
+                (target, self.radiance.color(uv), Ok(pdf))
+            }
             None => {
-                let (index, rest) = self.by_area.pick(u[0]);
-                (geometry.primitive(self.primitives[index]).sample([rest, u[1]]), None)
+                let (target, radiance, area) = self.sample_point(geometry, u);
+                (target, radiance, Err(area))
             }
         };
         // The target is kept off its own surface so that rounding cannot hide it.
@@ -81,9 +147,8 @@ impl AreaLight {
         if !(cosine > 0.0 && distance > 0.0) {
             return None;
         }
-        let pdf_solid_angle = cone_pdf.unwrap_or(distance * distance / (cosine * self.area));
-        let weighted_radiance = self.radiance / pdf_solid_angle;
-        Some(DirectSample { direction, distance, weighted_radiance, pdf_solid_angle })
+        let pdf_solid_angle = cone_or_area.unwrap_or_else(|area| distance * distance / (cosine * area));
+        Some(DirectSample { direction, distance, weighted_radiance: radiance / pdf_solid_angle, pdf_solid_angle })
     }
 
     /// The density of [`AreaLight::sample_direct`].
@@ -93,19 +158,21 @@ impl AreaLight {
             return pdf;
         }
         let cosine = hit.geometric_normal.dot(hit.outgoing);
-        if cosine <= 0.0 { 0.0 } else { hit.position.distance_squared(point) / (cosine * self.area) }
+        if cosine <= 0.0 {
+            return 0.0;
+        }
+        hit.position.distance_squared(point) / (cosine * self.area_per_pick(geometry, hit.primitive))
     }
 
-    /// A point by area and a direction by the cosine: the flux is π·A·L.
+    /// A point by area and power and a direction by the cosine.
     #[inline]
     pub fn emit(&self, geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let (index, rest) = self.by_area.pick(place[0]);
-        let point = geometry.primitive(self.primitives[index]).sample([rest, place[1]]);
+        let (point, radiance, area) = self.sample_point(geometry, place);
         let local = warp::cosine_hemisphere(direction);
         Some(EmittedPhoton {
             origin: point.position + point.normal * point.error,
             direction: Frame::from_normal(point.normal).to_world(local),
-            flux: self.power(),
+            flux: radiance * (PI * area),
         })
     }
 }

@@ -8,6 +8,8 @@ use std::f32::consts::PI;
 
 use super::{DirectSample, EmittedPhoton, Surroundings};
 use crate::math::{Frame, Rgb, Vec3, warp};
+use crate::scene::error::SceneError;
+use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 
 /// A uniform environment.
@@ -18,9 +20,10 @@ pub struct Constant {
 }
 
 impl Constant {
-    /// An environment of `radiance`.
-    pub fn new(radiance: Rgb, surroundings: Surroundings) -> Self {
-        Self { radiance, surroundings }
+    /// Reads the parameters.
+    pub fn read(fields: &mut Fields<'_>, surroundings: Surroundings) -> Result<Self, SceneError> {
+        let rgb = fields.rgb("radiance")?.unwrap_or([1.0; 3]).map(|channel| channel as f32);
+        Ok(Self { radiance: Rgb::from_array(rgb), surroundings })
     }
 
     /// Its radiance.

@@ -6,6 +6,7 @@
 pub mod area;
 pub mod constant;
 pub mod directional;
+pub mod environment_map;
 pub mod point;
 pub mod spot;
 pub mod table;
@@ -16,6 +17,7 @@ use crate::scene::geometry::{Geometry, Interaction};
 pub use area::AreaLight;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use environment_map::EnvironmentMap;
 pub use point::Point;
 pub use spot::Spot;
 pub use table::LightTable;
@@ -82,7 +84,7 @@ macro_rules! lights {
     };
 }
 
-lights!(AreaLight, Point, Spot, Directional, Constant);
+lights!(AreaLight, Point, Spot, Directional, Constant, EnvironmentMap);
 
 impl Light {
     /// Radiance that leaves a hit of this light's surface back along the path.
@@ -105,6 +107,22 @@ impl Light {
 
     /// Whether directions can hit it by chance.
     pub fn has_extent(&self) -> bool {
-        matches!(self, Self::AreaLight(_) | Self::Constant(_))
+        matches!(self, Self::AreaLight(_)) || self.is_environment()
+    }
+
+    /// Whether light comes from it along every ray that leaves the scene.
+    pub fn is_environment(&self) -> bool {
+        matches!(self, Self::Constant(_) | Self::EnvironmentMap(_))
+    }
+
+    /// The radiance from `direction` outside of the scene, and the density by solid angle with which
+    /// [`Light::sample_direct`] takes it; `None` for lights that are inside.
+    #[inline]
+    pub fn environment(&self, direction: Vec3) -> Option<(Rgb, f32)> {
+        match self {
+            Self::Constant(light) => Some((light.radiance(), light.direct_pdf())),
+            Self::EnvironmentMap(light) => Some(light.arriving(direction)),
+            _ => None,
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! All lights of a scene, picked by power.
 
-use super::{Constant, DirectSample, EmittedPhoton, Light};
+use super::{DirectSample, EmittedPhoton, Light};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
 use crate::math::{Rgb, Vec3};
@@ -12,7 +12,8 @@ use crate::scene::geometry::{Geometry, Interaction, Ray};
 pub struct LightTable {
     lights: Vec<Light>,
     by_power: Discrete,
-    environment: Option<(usize, Constant)>,
+    /// Index of the light that surrounds the scene.
+    environment: Option<usize>,
     has_extent: bool,
     /// Tree indices of all emitting primitives, when they are so few that testing them all costs less than a ray.
     few_emitters: Option<Vec<u32>>,
@@ -26,10 +27,7 @@ impl LightTable {
     pub fn new(lights: Vec<Light>) -> Option<Self> {
         let powers: Vec<f64> = lights.iter().map(|light| f64::from(luminance(light.power()))).collect();
         let by_power = Discrete::new(&powers)?;
-        let environment = lights.iter().enumerate().find_map(|(index, light)| match light {
-            Light::Constant(constant) => Some((index, constant.clone())),
-            _ => None,
-        });
+        let environment = lights.iter().position(Light::is_environment);
         let has_extent = lights.iter().any(Light::has_extent);
         let emitters: Vec<u32> = lights
             .iter()
@@ -91,11 +89,12 @@ impl LightTable {
         Some((radiance, pdf))
     }
 
-    /// Radiance that arrives from outside the scene, and the density by solid angle of sampling that direction.
+    /// Radiance that arrives from `direction` outside of the scene, and the density by solid angle of sampling it.
     #[inline]
-    pub fn environment(&self) -> Option<(Rgb, f32)> {
-        let (index, constant) = self.environment.as_ref()?;
-        Some((constant.radiance(), constant.direct_pdf() * self.by_power.probability(*index)))
+    pub fn environment(&self, direction: Vec3) -> Option<(Rgb, f32)> {
+        let index = self.environment?;
+        let (radiance, pdf) = self.lights[index].environment(direction)?;
+        Some((radiance, pdf * self.by_power.probability(index)))
     }
 
     /// Picks a light by power and emits a photon; its flux includes the pick.
