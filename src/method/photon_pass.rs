@@ -128,7 +128,7 @@ impl PhotonPasses {
         if let Auto::Value(radius) = self.first_radius {
             return radius * radius;
         }
-        let footprint = self.scene.camera.pixel_footprint(path_length, self.scene.width);
+        let footprint = self.scene.camera.pixel_footprint(path_length, self.scene.film.whole[0]);
         let dense = first_radius_squared(map, point, footprint, &self.radius_bounds(map.len()));
         clear_of_edges(&self.scene, point, dense, footprint)
     }

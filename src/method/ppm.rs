@@ -246,9 +246,8 @@ impl Ppm {
         let scene = &*self.passes.scene;
         let path = (row * scene.width + column).wrapping_mul(self.samples_per_pixel).wrapping_add(sample);
         let random = PathRandom::new(self.passes.seed, Stream::Camera, HIT_POINT_PASS, path);
-        let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
-        let picture = Vec2::new((column as f32 + x) / scene.width as f32, (row as f32 + y) / scene.height as f32);
-        let mut waiting = vec![CameraWalk::new(scene.camera.ray(picture, [lens_x, lens_y]), true)];
+        let ray = scene.camera_ray([column, row], random.block(dimension::CAMERA));
+        let mut waiting = vec![CameraWalk::new(ray, true)];
         while let Some(mut walk) = waiting.pop() {
             let Some(point) = walk.advance(scene, &self.passes.limits, seen, counters) else { continue };
             let lobes = scene.material(point.hit.shape).lobes();

@@ -24,8 +24,8 @@ use super::parameters::{self, DirectLight, HELP, ParameterHelp};
 use super::photon_pass::{PILOT_PASS, PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::PixelTally;
+use crate::math::Rgb;
 use crate::math::random::{PathRandom, Stream, dimension};
-use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
@@ -69,13 +69,8 @@ impl Sppm {
         gather: impl FnMut(&GatherPoint, &mut Rgb, &mut Counters),
     ) -> Rgb {
         let scene = &*self.passes.scene;
-        let width = scene.width as usize;
-        let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
-        let picture = Vec2::new(
-            ((pixel % width) as f32 + x) / scene.width as f32,
-            ((pixel / width) as f32 + y) / scene.height as f32,
-        );
-        let ray = scene.camera.ray(picture, [lens_x, lens_y]);
+        let pixel = [pixel as u32 % scene.width, pixel as u32 / scene.width];
+        let ray = scene.camera_ray(pixel, random.block(dimension::CAMERA));
         let walk = CameraWalk::new(ray, self.passes.direct == DirectLight::Sample);
         let mut radiance = Rgb::ZERO;
         trace_camera_path(scene, walk, random, &self.passes.limits, &mut radiance, counters, gather);

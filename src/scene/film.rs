@@ -1,24 +1,54 @@
-//! The film: `hdrfilm` with `width` (pixels, 768) and `height` (pixels, 576) and a box filter.
+//! The film: `hdrfilm`.
+//!
+//! | parameter | meaning | unit | default |
+//! |---|---|---|---|
+//! | `width`, `height` | of the whole picture | pixels | 768, 576 |
+//! | `crop_offset_x`, `crop_offset_y` | first column and row that are rendered | pixels | 0 |
+//! | `crop_width`, `crop_height` | how many columns and rows are rendered | pixels | all that are left |
+//! | a nested `rfilter` | how far a pixel's camera paths spread: see [`filter`] | – | box |
+
+mod filter;
 
 use super::description::{Node, PluginClass};
 use super::error::{SceneError, nearest_name};
 use super::fields::Fields;
+use crate::math::Vec2;
+
+pub use filter::Filter;
 
 /// The most pixels a picture may have.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// The picture's size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The picture's size, its place in the whole film, and its filter.
+#[derive(Clone, Debug)]
 pub struct Film {
-    /// Width, pixels.
+    /// Width of the picture, pixels.
     pub width: u32,
-    /// Height, pixels.
+    /// Height of the picture, pixels.
     pub height: u32,
+    /// Width and height of the whole film, of which the picture is a window, pixels.
+    pub whole: [u32; 2],
+    /// First column and row of the window.
+    pub offset: [u32; 2],
+    /// The reconstruction filter.
+    pub filter: Filter,
 }
 
 impl Default for Film {
     fn default() -> Self {
-        Self { width: 768, height: 576 }
+        Self { width: 768, height: 576, whole: [768, 576], offset: [0, 0], filter: Filter::Box }
+    }
+}
+
+impl Film {
+    /// A point of the whole film, (0, 0) top left to (1, 1) bottom right, for column and row of a pixel of the picture and
+    /// two numbers in [0, 1).
+    #[inline]
+    pub fn point(&self, [column, row]: [u32; 2], [x, y]: [f32; 2]) -> Vec2 {
+        Vec2::new(
+            ((column + self.offset[0]) as f32 + self.filter.place(x)) / self.whole[0] as f32,
+            ((row + self.offset[1]) as f32 + self.filter.place(y)) / self.whole[1] as f32,
+        )
     }
 }
 
@@ -30,8 +60,9 @@ pub fn read(node: &Node, notices: &mut Vec<String>) -> Result<Film, SceneError> 
     }
     let mut fields = Fields::new(node);
     let default = Film::default();
-    let width = side(&mut fields, "width", default.width)?;
-    let height = side(&mut fields, "height", default.height)?;
+    let whole = [side(&mut fields, "width", default.width)?, side(&mut fields, "height", default.height)?];
+    let (x, width) = window(&mut fields, ["crop_offset_x", "crop_width"], whole[0])?;
+    let (y, height) = window(&mut fields, ["crop_offset_y", "crop_height"], whole[1])?;
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
         let problem = format!("a picture of {width} × {height} is {pixels} pixels");
@@ -39,11 +70,12 @@ pub fn read(node: &Node, notices: &mut Vec<String>) -> Result<Film, SceneError> 
     }
     // These choose how Mitsuba writes files; pictures here are always linear 32-bit RGB until they are written.
     fields.ignore(&["pixel_format", "component_format", "file_format", "sample_border", "banner", "compensate"]);
-    if let Some(filter) = fields.child(PluginClass::ReconstructionFilter) {
-        reconstruction_filter(filter, notices)?;
-    }
+    let filter = match fields.child(PluginClass::ReconstructionFilter) {
+        Some(node) => filter::read(node, notices)?,
+        None => Filter::Box,
+    };
     fields.finish()?;
-    Ok(Film { width, height })
+    Ok(Film { width, height, whole, offset: [x, y], filter })
 }
 
 fn side(fields: &mut Fields<'_>, name: &'static str, default: u32) -> Result<u32, SceneError> {
@@ -56,18 +88,18 @@ fn side(fields: &mut Fields<'_>, name: &'static str, default: u32) -> Result<u32
     }
 }
 
-fn reconstruction_filter(node: &Node, notices: &mut Vec<String>) -> Result<(), SceneError> {
-    const OTHERS: &[&str] = &["tent", "gaussian", "mitchell", "catmullrom", "lanczos"];
-    if OTHERS.contains(&node.plugin.as_str()) {
-        notices.push(format!("{}: filter \"{}\" is replaced by \"box\"", node.location, node.plugin));
-        return Ok(());
+/// First pixel and count of what is rendered along one side of `whole` pixels.
+fn window(fields: &mut Fields<'_>, [offset, size]: [&'static str; 2], whole: u32) -> Result<(u32, u32), SceneError> {
+    let first = fields.integer(offset)?.unwrap_or(0);
+    let Some(left) = u32::try_from(first).ok().and_then(|first| whole.checked_sub(first)).filter(|left| *left > 0)
+    else {
+        let problem = format!("\"{offset}\" is {first} on a film of {whole} pixels");
+        return Err(fields.error(offset, problem, format!("give a whole number from 0 to {}", whole - 1)));
+    };
+    let count = side(fields, size, left)?;
+    if count > left {
+        let problem = format!("{count} pixels from {first} on leave a film of {whole} pixels");
+        return Err(fields.error(size, problem, format!("make \"{size}\" at most {left}")));
     }
-    if node.plugin == "box" {
-        let mut fields = Fields::new(node);
-        fields.ignore(&["radius"]);
-        return fields.finish();
-    }
-    let known: Vec<&str> = ["box"].into_iter().chain(OTHERS.iter().copied()).collect();
-    let problem = format!("there is no rfilter \"{}\"", node.plugin);
-    Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)))
+    Ok((first as u32, count))
 }

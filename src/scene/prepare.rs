@@ -29,6 +29,8 @@ pub struct Scene {
     pub width: u32,
     /// Picture height, pixels.
     pub height: u32,
+    /// The film behind them.
+    pub film: Film,
     /// The camera.
     pub camera: Camera,
     /// All surfaces.
@@ -108,13 +110,19 @@ impl Scene {
         place_area_lights(&mut geometry, &members, area_lights, &mut lights);
         let lights = light_table(&geometry, lights, &emitters, &mut textures, root)?;
         check_view(&camera, &geometry, &materials, sensor)?;
-        let Film { width, height } = film;
-        Ok(Self { width, height, camera, geometry, materials, reliefs, lights, integrator, notices })
+        let Film { width, height, .. } = film;
+        Ok(Self { width, height, film, camera, geometry, materials, reliefs, lights, integrator, notices })
     }
 
     /// How many pixels the picture has.
     pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// The camera ray through a pixel for four numbers in [0, 1): two for its place, two for the lens.
+    #[inline]
+    pub fn camera_ray(&self, pixel: [u32; 2], [x, y, lens_x, lens_y]: [f32; 4]) -> Ray {
+        self.camera.ray(self.film.point(pixel, [x, y]), [lens_x, lens_y])
     }
 
     /// The first surface along `ray`, with the shading normal that its relief gives it.
@@ -332,7 +340,7 @@ fn read_sensor(node: &Node, notices: &mut Vec<String>) -> Result<(Film, Camera),
     };
     // Mitsuba's random number source: read and not used.
     fields.child(PluginClass::Sampler);
-    let camera = camera::read(&mut fields, film.width, film.height)?;
+    let camera = camera::read(&mut fields, film.whole)?;
     fields.finish()?;
     Ok((film, camera))
 }

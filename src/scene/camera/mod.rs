@@ -34,8 +34,8 @@ pub struct Camera {
 
 const CAMERAS: &[&str] = &["perspective", "thinlens"];
 
-/// Reads a sensor's own parameters; the film and sampler in it are read elsewhere.
-pub fn read(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<Camera, SceneError> {
+/// Reads a sensor's own parameters, for a whole film of `width` × `height` pixels; the film and sampler are read elsewhere.
+pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera, SceneError> {
     let plugin = fields.node().plugin.as_str();
     if !CAMERAS.contains(&plugin) {
         let problem = format!("there is no sensor \"{plugin}\"");
@@ -132,7 +132,7 @@ fn focal_length(fields: &mut Fields<'_>, aspect: f64) -> Result<Vec2, SceneError
 }
 
 impl Camera {
-    /// The ray through a point of the picture, (0, 0) top left to (1, 1) bottom right, and a lens sample in [0, 1)².
+    /// The ray through a point of the film, (0, 0) top left to (1, 1) bottom right, and a lens sample in [0, 1)².
     #[inline]
     pub fn ray(&self, picture: Vec2, lens: [f32; 2]) -> Ray {
         let x = (1.0 - 2.0 * picture.x) * self.half_extent.x;
@@ -157,7 +157,7 @@ impl Camera {
         self.position
     }
 
-    /// Radius of the footprint of a pixel at `distance`, m, in a picture `width` pixels wide.
+    /// Radius of the footprint of a pixel at `distance`, m, in a whole film `width` pixels wide.
     pub fn pixel_footprint(&self, distance: f32, width: u32) -> f32 {
         distance * self.half_extent.x / width as f32
     }
