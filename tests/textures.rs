@@ -8,6 +8,7 @@ use std::f32::consts::PI;
 use std::io::Cursor;
 
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb as Pixel, Rgba};
+use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Rgb, Vec2, Vec3};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
@@ -286,6 +287,36 @@ fn textures_that_cannot_be() {
     for (texture, part) in cases {
         let message = error(&texture, files);
         assert!(message.contains(part) && message.contains("test.xml"), "{texture}: {message}");
+    }
+}
+
+/// Any bytes are an image or an error.
+#[test]
+fn textures_survive_damaged_files() {
+    let colors = ImageBuffer::from_fn(9, 7, |x, y| Pixel([20 * x as u8, 30 * y as u8, 255]));
+    let floats = ImageBuffer::from_fn(9, 7, |x, y| Pixel([x as f32 / 9.0, y as f32 / 7.0, 1.0]));
+    let files = [
+        ("a.png", encode(colors.clone(), ImageFormat::Png)),
+        ("a.jpg", encode(colors.clone(), ImageFormat::Jpeg)),
+        ("a.tga", encode(colors, ImageFormat::Tga)),
+        ("a.hdr", encode(floats, ImageFormat::Hdr)),
+        ("a.exr", exr_file(9, 7, |x, y| [x as f32 / 9.0, y as f32 / 7.0, 1.0])),
+    ];
+    for (family, (name, file)) in (0..).zip(&files) {
+        for damage in 0..400 {
+            let mut file = file.clone();
+            for change in 0..1 + damage % 4 {
+                let random = PathRandom::new(1, Stream::Camera, family, 8 * damage + change).block(0);
+                // Headers are where the damage is.
+                let reach = if random[2] < 0.7 { file.len().min(400) } else { file.len() };
+                let place = (random[0] * reach as f32) as usize;
+                file[place] = (random[1] * 256.0) as u8;
+            }
+            if damage % 5 == 0 {
+                file.truncate(file.len() * damage as usize / 400);
+            }
+            let _ = prepare(&body(&bitmap(name, "")), &[(name, &file)]);
+        }
     }
 }
 

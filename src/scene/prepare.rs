@@ -236,10 +236,10 @@ impl<'a> Builder<'a> {
         if let Some(known) = self.material_of_node.get(&address) {
             return Ok(*known);
         }
-        let varying = self.textures.varying();
+        let asked = self.textures.coordinates_asked();
         let (plain, relief) = relief::take_off(node, &mut self.textures)?;
         self.materials.push(material::read(&plain, &mut self.textures)?);
-        let needs_uv = relief.is_some() || self.textures.varying() > varying;
+        let needs_uv = relief.is_some() || self.textures.coordinates_asked() > asked;
         self.reliefs.push(relief);
         let read = (self.materials.len() as u32 - 1, needs_uv);
         self.material_of_node.insert(address, read);

@@ -31,21 +31,25 @@ pub struct TextureReader<'a> {
     texture_of_node: HashMap<*const Node, Texture>,
     /// Memory of all images, bytes.
     bytes: u64,
-    /// How many parameters turned out to be textures that vary.
-    varying: usize,
+    /// How often texture coordinates, or tangents along them, were asked for.
+    coordinates_asked: usize,
 }
 
 impl<'a> TextureReader<'a> {
     /// A reader for a scene with these files.
     pub fn new(bundle: &'a Bundle) -> Self {
         let (images, texture_of_node) = (HashMap::new(), HashMap::new());
-        Self { bundle, images, texture_of_node, bytes: 0, varying: 0 }
+        Self { bundle, images, texture_of_node, bytes: 0, coordinates_asked: 0 }
     }
 
-    /// How many parameters so far were textures that vary: what was read in between needs texture coordinates when this
-    /// has grown.
-    pub fn varying(&self) -> usize {
-        self.varying
+    /// How often texture coordinates were asked for so far: what was read in between needs them when this has grown.
+    pub fn coordinates_asked(&self) -> usize {
+        self.coordinates_asked
+    }
+
+    /// Asks for a frame along ∂p/∂u, for materials that are not the same all round; textures ask by themselves.
+    pub fn ask_for_tangents(&mut self) {
+        self.coordinates_asked += 1;
     }
 
     /// A share of light within [0, 1] (more would make energy); `default` where it was not given.
@@ -110,7 +114,7 @@ impl<'a> TextureReader<'a> {
                 texture
             }
         };
-        self.varying += usize::from(texture.varies());
+        self.coordinates_asked += usize::from(texture.varies());
         Ok(texture)
     }
 
