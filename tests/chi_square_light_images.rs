@@ -101,14 +101,12 @@ fn chi_square_power_of_an_environment_map_is_its_integral() {
     let (_, radius) = scene.geometry.bounding_sphere();
     let disc = PI * f64::from(radius).powi(2);
     let [light] = scene.lights.lights() else { panic!("one light is expected") };
-    let mut sums = [[0.0; 3]; 2];
+    let mut sums = [glam::DVec3::ZERO; 2];
     for u in (0..SAMPLES).map(|sample| numbers(206, sample)) {
         let direct = light.sample_direct(&scene.geometry, Vec3::ONE, [u[0], u[1]]).expect("light comes");
         let photon = light.emit(&scene.geometry, [u[0], u[1]], [u[2], u[3]]).expect("light comes");
-        for channel in 0..3 {
-            sums[0][channel] += f64::from(direct.weighted_radiance[channel]);
-            sums[1][channel] += f64::from(photon.flux[channel]) / disc;
-        }
+        sums[0] += direct.weighted_radiance.as_dvec3();
+        sums[1] += photon.flux.as_dvec3() / disc;
     }
     for (channel, expected) in fluence(&scene).into_iter().enumerate() {
         let found = [

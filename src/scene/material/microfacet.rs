@@ -293,7 +293,10 @@ pub fn read_alphas(
             let alpha = alpha.unwrap_or(Texture::grey(0.1));
             Ok([alpha.clone(), alpha])
         }
-        (None, [Some(alpha_u), Some(alpha_v)]) => Ok([alpha_u, alpha_v]),
+        (None, [Some(alpha_u), Some(alpha_v)]) => {
+            textures.ask_for_tangents();
+            Ok([alpha_u, alpha_v])
+        }
         (None, _) => Err(fields.error("alpha_u", "one of \"alpha_u\" and \"alpha_v\" is missing", "give both")),
         (Some(_), _) => {
             let problem = "both \"alpha\" and \"alpha_u\" or \"alpha_v\" are given";

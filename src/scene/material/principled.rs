@@ -132,6 +132,9 @@ impl Principled {
         };
         material.relative_index = read_index(fields, !is_everywhere(&material.spec_trans, 0.0))?;
         material.kinds = material.find_kinds();
+        if !is_everywhere(&material.anisotropic, 0.0) {
+            textures.ask_for_tangents();
+        }
         Ok(material)
     }
 
