@@ -53,6 +53,11 @@ fn agreement_spot_mirror() {
 }
 
 #[test]
+fn agreement_textured_env() {
+    check_reference("textured-env", 0.005, [0.017, 0.012]);
+}
+
+#[test]
 fn agreement_of_a_region_with_the_whole() {
     let scene = reference_scene("cornell-glass");
     for method in ["sppm", "ppm"] {
