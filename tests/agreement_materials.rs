@@ -11,7 +11,7 @@ use photonfarm::scene::material::{Material, TransportMode, View};
 const VALUES: &str = include_str!("material_values/values.txt");
 const TOLERANCE: f32 = 1e-4;
 /// The coat of `roughplastic` is integrated numerically, with other nodes than Mitsuba's.
-const TOLERANCE_OF_INTEGRALS: f32 = 5e-4;
+const TOLERANCE_OF_INTEGRALS: f32 = 1e-3;
 /// Differences below do not count: the far tails of lobes, where Mitsuba cuts off.
 const LEAST: f32 = 1e-7;
 
