@@ -11,12 +11,13 @@
 //!
 //! As `plastic`, with the reflection of `roughconductor` under a dielectric's Fresnel factor for the coat, and for T(θ) and
 //! F̄ what such a coat lets through and reflects: integrals over visible normals, tabulated at 64 cosines when the scene
-//! is prepared, as in Mitsuba.
+//! is prepared, as in Mitsuba. Light that would bounce between microfacets is lost: a white base under a coat of α = 0.1
+//! returns 0.97 (Beckmann) or 0.92 (GGX) of the light.
 
 use super::lobe_choice::{LobeChoice, followed_share, mean};
 use super::microfacet::{self, Microfacets, Roughness};
 use super::plastic::CoatedBase;
-use super::rough_dielectric::read_relative_index;
+use super::rough_dielectric::{read_relative_index, refract};
 use super::{Lobes, MaterialSample, SpecularLobes, View, fresnel};
 use crate::math::{Rgb, Vec2, Vec3, warp};
 use crate::scene::error::SceneError;
@@ -54,7 +55,7 @@ impl RoughPlastic {
             specular_reflectance: textures.share(fields, "specular_reflectance", 1.0)?,
             relative_index,
             roughness,
-            transmittance: reflectances(&microfacets, relative_index).map(|reflected| 1.0 - reflected),
+            transmittance: transmittances(&microfacets, relative_index),
         })
     }
 
@@ -156,24 +157,32 @@ fn cosine(index: usize) -> f32 {
 
 /// What a rough boundary of that relative index reflects from each tabulated direction: ∫ F·G1 over visible normals.
 fn reflectances(microfacets: &Microfacets, relative_index: f32) -> [f32; COSINES] {
-    // More from inside, where total reflection starts within the range.
-    let count = if relative_index > 1.0 { 32 } else { 128 };
+    // Many nodes: from inside, total reflection starts within the range.
+    integrals(microfacets, 64, |outgoing, normal| {
+        let incident = microfacet::reflect(outgoing, normal);
+        let reflected = fresnel::dielectric(outgoing.dot(normal).clamp(0.0, 1.0), relative_index).reflected;
+        if incident.z > 0.0 { reflected * microfacets.visible_share(incident, normal) } else { 0.0 }
+    })
+}
+
+/// What it lets through: ∫ (1 − F)·G1 over visible normals.
+fn transmittances(microfacets: &Microfacets, relative_index: f32) -> [f32; COSINES] {
+    integrals(microfacets, 32, |outgoing, normal| {
+        let boundary = fresnel::dielectric(outgoing.dot(normal).clamp(0.0, 1.0), relative_index);
+        let incident = refract(outgoing, normal, boundary.cosine_refracted, relative_index);
+        let passed = 1.0 - boundary.reflected;
+        if incident.z < 0.0 { passed * microfacets.visible_share(incident, normal) } else { 0.0 }
+    })
+}
+
+/// The mean of `share(outgoing, normal)` over the normals that each tabulated direction sees, by `count`² nodes.
+fn integrals(microfacets: &Microfacets, count: usize, share: impl Fn(Vec3, Vec3) -> f32) -> [f32; COSINES] {
     let nodes = gauss_legendre(count);
     std::array::from_fn(|index| {
         let z = cosine(index);
         let outgoing = Vec3::new((1.0 - z * z).max(0.0).sqrt(), 0.0, z);
-        let reflected = |u: [f32; 2]| {
-            let normal = microfacets.visible_normal(outgoing, u);
-            let incident = microfacet::reflect(outgoing, normal);
-            if incident.z <= 0.0 {
-                return 0.0;
-            }
-            let cosine = outgoing.dot(normal).clamp(0.0, 1.0);
-            fresnel::dielectric(cosine, relative_index).reflected * microfacets.visible_share(incident, normal)
-        };
-        let row = |u: f64| -> f64 {
-            nodes.iter().map(|(v, weight)| weight * f64::from(reflected([u as f32, *v as f32]))).sum()
-        };
+        let value = |u: f64, v: f64| share(outgoing, microfacets.visible_normal(outgoing, [u as f32, v as f32]));
+        let row = |u: f64| -> f64 { nodes.iter().map(|(v, weight)| weight * f64::from(value(u, *v))).sum() };
         nodes.iter().map(|(u, weight)| weight * row(*u)).sum::<f64>() as f32
     })
 }
