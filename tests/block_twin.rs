@@ -1,7 +1,7 @@
 //! Blocks of eight primitives find what their primitives find one by one, to the bit.
 
 #[path = "support/chi_square.rs"]
-#[allow(dead_code)]
+#[expect(dead_code, reason = "other tests use the rest")]
 mod chi_square;
 #[path = "support/scene_text.rs"]
 mod scene_text;

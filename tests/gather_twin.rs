@@ -30,7 +30,7 @@ fn cloud(family: u32, count: u32) -> Vec<Photon> {
             normal[axis] = if place[3] < 0.5 { 1.0 } else { -1.0 };
         }
         let flux = Rgb::new(other[2], other[3], 1.0) * 3.0;
-        Photon::new(position, octahedral::encode(normal), normal, flux, 1 + index % 40, index % 5 == 0)
+        Photon::new(position, octahedral::encode(normal), normal, flux, 1 + index % 40, index.is_multiple_of(5))
     };
     (0..count).map(photon).collect()
 }
@@ -63,7 +63,7 @@ fn queries(photons: &[Photon], family: u32, count: u32) -> Vec<GatherQuery> {
             normal,
             radius_squared: radius * radius,
             most_segments,
-            caustics_only: index % 2 == 0,
+            caustics_only: index.is_multiple_of(2),
             both_sides: false,
         }
     };

@@ -100,7 +100,7 @@ fn a_glb_with_one_triangle_and_a_camera() {
 fn prepared_camera(scene: &SceneDescription, width: u32, height: u32) -> Camera {
     let sensors = all(scene, PluginClass::Sensor);
     let mut fields = Fields::new(sensors[0]);
-    camera::read(&mut fields, width, height).unwrap_or_else(|error| panic!("{error}"))
+    camera::read(&mut fields, [width, height]).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]

@@ -153,7 +153,6 @@ fn nearest_lane(distance: &Lanes) -> Option<usize> {
     Some(mask.trailing_zeros() as usize)
 }
 
-#[expect(clippy::needless_range_loop, reason = "indexed loops over lanes become vector instructions")]
 #[inline]
 fn intersect_triangles(vertices: &[VectorLanes; 3], ray: &Ray, shear: &Shear, length: f32) -> Option<BlockHit> {
     let [x, y, z] = shear.axes;

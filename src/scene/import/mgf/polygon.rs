@@ -187,7 +187,7 @@ mod tests {
             [(0, 0), (5, 0), (5, 3), (4, 3), (4, 1), (3, 1), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)]
                 .map(|(x, y)| DVec3::new(f64::from(x), f64::from(y), 1.0))
                 .to_vec();
-        assert!((area(&[comb.clone()]) - 11.0).abs() < 1e-12);
+        assert!((area(std::slice::from_ref(&comb)) - 11.0).abs() < 1e-12);
         let turned: Vec<DVec3> = comb.iter().rev().map(|point| DVec3::new(point.z, point.x, point.y)).collect();
         assert!((area(&[turned]) - 11.0).abs() < 1e-12);
         let holes =
