@@ -201,8 +201,8 @@ fn chi_square_narrow_lobes() {
                 let view = view(outgoing, TransportMode::Radiance, Lobes::FOLLOWED);
                 let samples = samples(&material, &view, family);
                 assert!(samples.iter().flatten().count() > SAMPLES as usize / 2, "{text} is hardly sampled");
-                // The lobe's mirror side, out to where the density has fallen far.
-                let least_cosine = 1.0 - f64::from(10.0 * alpha).powi(2).min(1.0);
+                // A cone of radius 4α round the mirror direction: bins in it resolve the lobe, also where it is foreshortened.
+                let least_cosine = 1.0 - 8.0 * f64::from(alpha * alpha);
                 let pdf = |direction: Vec3| f64::from(material.pdf(&view, frame.to_world(direction)));
                 let directions = samples.iter().map(|sample| sample.map(|sample| frame.to_local(sample.direction)));
                 assert_directions(directions, pdf, least_cosine, &format!("{text} from {outgoing}"));
