@@ -49,12 +49,29 @@ fn agreement_lantern() {
 
 #[test]
 fn agreement_spot_mirror() {
-    check_reference("spot-mirror", 0.01, [0.25, 0.26]);
+    check_reference("spot-mirror", 0.01, [0.19, 0.19]);
 }
 
 #[test]
 fn agreement_textured_env() {
     check_reference("textured-env", 0.005, [0.017, 0.012]);
+}
+
+#[test]
+fn agreement_dof() {
+    // ppm keeps its hit points: four of them do not resolve the lens.
+    check_reference("dof", 0.01, [0.021, 0.12]);
+}
+
+#[test]
+fn agreement_door_ajar() {
+    // Few of the photons pass the door: the mean itself is noisy.
+    check_reference("door-ajar", 0.03, [0.29, 0.29]);
+}
+
+#[test]
+fn agreement_glossy_blocks() {
+    check_reference("glossy-blocks-a010", 0.01, [0.016, 0.1]);
 }
 
 #[test]

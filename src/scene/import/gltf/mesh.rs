@@ -20,8 +20,8 @@ pub(super) struct MeshFile {
     pub bounds: [DVec3; 2],
 }
 
-/// What makes two primitives the same file: mode, indices, positions, normals, texture coordinates, winding.
-type Key = (usize, Option<usize>, usize, Option<usize>, Option<usize>, bool);
+/// What makes two primitives the same file: mode, indices, positions, normals, texture coordinates.
+type Key = (usize, Option<usize>, usize, Option<usize>, Option<usize>);
 
 /// The files of all primitives so far.
 #[derive(Default)]
@@ -30,8 +30,7 @@ pub(super) struct MeshFiles {
 }
 
 impl MeshFiles {
-    /// The file of a primitive with the texture coordinates `set`; nothing when it has no triangles. `mirrored`
-    /// reverses the winding, for nodes that mirror: glTF's front stays where the normals are.
+    /// The file of a primitive with the texture coordinates `set`; nothing when it has no triangles.
     ///
     /// # Errors
     /// On accessors that lead out of their buffers, indices out of range, numbers that are not finite.
@@ -39,12 +38,11 @@ impl MeshFiles {
         &mut self,
         primitive: &Entry<'a>,
         set: usize,
-        mirrored: bool,
         input: &Input<'a>,
         output: &mut Output,
     ) -> Result<Option<MeshFile>, SceneError> {
         let Some(source) = Primitive::open(primitive, set, input, output)? else { return Ok(None) };
-        let key = (source.mode, source.keys[0], source.keys[1].unwrap_or(0), source.keys[2], source.keys[3], mirrored);
+        let key = (source.mode, source.keys[0], source.keys[1].unwrap_or(0), source.keys[2], source.keys[3]);
         if let Some(known) = self.files.get(&key) {
             return Ok(known.clone());
         }
@@ -54,7 +52,7 @@ impl MeshFiles {
             None
         } else {
             let name = format!("{GENERATED_FOLDER}mesh_{}.ply", self.files.len());
-            let (bytes, bounds) = source.ply(&triangles, mirrored, output)?;
+            let (bytes, bounds) = source.ply(&triangles, output)?;
             output.generated.insert(name.clone(), bytes.into());
             Some(MeshFile { name, flat: source.normals.is_none(), bounds })
         };
@@ -155,7 +153,6 @@ impl<'a> Primitive<'a> {
     fn ply(
         &self,
         triangles: &[[u32; 3]],
-        mirrored: bool,
         output: &mut Output,
     ) -> Result<(Vec<u8>, [DVec3; 2]), SceneError> {
         // Some exporters let many primitives use parts of one long list of vertices.
@@ -184,9 +181,8 @@ impl<'a> Primitive<'a> {
                 self.write::<2>(coordinates, *vertex, "TEXCOORD", &mut bytes)?;
             }
         }
-        for [a, b, c] in faces {
+        for corners in faces {
             bytes.push(3);
-            let corners = if mirrored { [a, c, b] } else { [a, b, c] };
             bytes.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
         }
         Ok((bytes, bounds))

@@ -145,8 +145,7 @@ impl Contents {
                     return Err(node.error(problem, "join meshes, or split the scene"));
                 }
                 let to_world = to_world * *place;
-                let mirrored = to_world.determinant() < 0.0;
-                let Some(file) = self.files.file(&primitive, material.texture_coordinates, mirrored, input, output)?
+                let Some(file) = self.files.file(&primitive, material.texture_coordinates, input, output)?
                 else {
                     break;
                 };
