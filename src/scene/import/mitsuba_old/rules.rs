@@ -163,7 +163,7 @@ pub(super) const RULES: &[Rule] = &[
     changed(Bsdf, ["coating", "plastic"], &[], COAT, material::coating),
     changed(Bsdf, ["conductor", "conductor"], METAL, &["extEta"], material::conductor),
     plain(Bsdf, "dielectric", SMOOTH),
-    changed(Bsdf, ["difftrans", "diffuse"], &[], &["transmittance"], material::stand_in),
+    plain(Bsdf, "difftrans", &["transmittance"]),
     changed(Bsdf, ["diffuse", "diffuse"], &["reflectance"], &["diffuseReflectance"], material::diffuse),
     changed(Bsdf, ["hk", "diffuse"], &[], &[], material::stand_in),
     changed(Bsdf, ["irawan", "diffuse"], &[], &["filename"], material::stand_in),
