@@ -126,7 +126,7 @@ impl Scene {
     }
 
     /// The first surface along `ray`, with the shading normal that its relief gives it.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
         let mut hit = self.geometry.intersect(ray)?;
         if let Some(Some(relief)) = self.reliefs.get(hit.shape.material as usize) {

@@ -198,7 +198,8 @@ impl Geometry {
         self.accelerator.is_blocked(ray) || self.instances.as_ref().is_some_and(|instances| instances.is_blocked(ray))
     }
 
-    #[inline]
+    // Inlined always: as a call of its own it would copy every hit once more.
+    #[inline(always)]
     pub(super) fn interaction(&self, ray: &Ray, index: usize, hit: &PrimitiveHit) -> Interaction {
         let point = self.accelerator.primitives()[index].surface(ray, hit);
         let info = self.info[index];
