@@ -101,8 +101,14 @@ impl Reader<'_, '_> {
     }
 
     fn share(&mut self, name: &str, default: f64) -> Result<Ink, SceneError> {
-        let given = self.textures.color(self.parameters, name, Purpose::Reflectance, self.output)?;
+        let given = self.textures.color(self.parameters, name, self.output)?;
         let ink = given.unwrap_or(Ink::Color([default; 3]));
+        if let (Ink::Color(rgb), Some(parameter)) = (&ink, self.parameters.find(name))
+            && rgb.iter().any(|channel| *channel > 1.0)
+        {
+            let problem = format!("a surface of {rgb:?} reflects more than all light");
+            return Err(parameter.error(problem, "give at most 1"));
+        }
         self.textured |= ink.is_texture();
         Ok(ink)
     }

@@ -145,14 +145,16 @@ impl<'a> Output<'a> {
                 }
             }
         }
+        let is_definition = |plugin: &Draft| matches!(plugin.class, PluginClass::Bsdf | PluginClass::Texture);
         let mut used = HashSet::new();
+        self.plugins.iter().filter(|plugin| !is_definition(plugin)).for_each(|plugin| collect(plugin, &mut used));
         // Definitions refer to earlier ones only.
-        for plugin in self.plugins.iter().rev() {
-            if plugin.id.is_empty() || used.contains(&plugin.id) {
-                collect(plugin, &mut used);
+        for definition in self.plugins.iter().rev().filter(|plugin| is_definition(plugin)) {
+            if used.contains(&definition.id) {
+                collect(definition, &mut used);
             }
         }
-        self.plugins.retain(|plugin| plugin.id.is_empty() || used.contains(&plugin.id));
+        self.plugins.retain(|plugin| !is_definition(plugin) || used.contains(&plugin.id));
     }
 }
 

@@ -43,7 +43,10 @@ pub(super) fn read(
         "loopsubdiv" => {
             parameters.pass_over(&["levels", "scheme"]);
             output.approximated(place, "shape \"loopsubdiv\"", "the mesh that it starts from takes its place");
-            triangles(parameters, "indices", setting, output)?
+            let mut shape = triangles(parameters, "indices", setting, output)?;
+            // The surface that it stands for is smooth.
+            shape.parameters.retain(|parameter| parameter.name != "face_normals");
+            shape
         }
         "plymesh" => ply(parameters, output)?,
         "sphere" => sphere(parameters, setting, output)?,

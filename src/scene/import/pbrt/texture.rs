@@ -96,20 +96,13 @@ impl Textures {
         &self,
         parameters: &Parameters,
         name: &str,
-        purpose: Purpose,
         output: &mut Output<'_>,
     ) -> Result<Option<Ink>, SceneError> {
         let Some(parameter) = parameters.find(name) else { return Ok(None) };
         if parameter.kind == "texture" {
             return Self::named(&self.spectra, parameter).map(Some);
         }
-        let rgb = spectrum::read(parameter, purpose, output)?;
-        match purpose {
-            Purpose::Reflectance if rgb.iter().any(|channel| *channel > 1.0) => {
-                Err(parameter.error(format!("a surface of {rgb:?} reflects more than all light"), "give at most 1"))
-            }
-            _ => Ok(Some(Ink::Color(rgb))),
-        }
+        spectrum::read(parameter, Purpose::Reflectance, output).map(|rgb| Some(Ink::Color(rgb)))
     }
 
     /// The number or texture `name`.
@@ -167,7 +160,7 @@ impl Textures {
         let part = |name: &str, default: f64, output: &mut Output<'_>| {
             let given = match is_float {
                 true => self.number(parameters, name)?,
-                false => self.color(parameters, name, Purpose::Emission, output)?,
+                false => self.color(parameters, name, output)?,
             };
             Ok::<Ink, SceneError>(given.unwrap_or(Ink::Color([default; 3])))
         };
