@@ -13,7 +13,7 @@ mod lights;
 mod material;
 mod mesh;
 mod nodes;
-mod notices;
+pub(super) mod notices;
 mod specular_glossiness;
 mod texture;
 mod uri;

@@ -14,6 +14,7 @@ mod mitsuba_old;
 mod mitsuba_xml;
 pub mod native;
 mod pack;
+mod pbrt;
 mod plugins;
 pub mod report;
 mod resolve;
@@ -37,7 +38,7 @@ pub use pack::pack;
 /// How deep plugins and values may nest, and how long a chain of references may be.
 const DEPTH_LIMIT: usize = 64;
 
-/// Reads the scene file (XML, JSON, glTF, GLB, or a zip archive with one of them) at `path`.
+/// Reads the scene file (XML, JSON, glTF, GLB, MGF, pbrt, or a zip archive with one of them) at `path`.
 ///
 /// `defines` are names and values that take the place of the scene's `<default>` parameters. Files that the scene
 /// refers to are looked up in the folder that holds it.
@@ -48,10 +49,10 @@ pub fn load_file(path: &Path, defines: &[(String, String)]) -> Result<SceneDescr
     read_source(path)?.import(defines).map(|imported| imported.description)
 }
 
-/// Reads a scene from memory: XML, JSON, glTF or GLB that stands alone, or a zip archive.
+/// Reads a scene from memory: XML, JSON, glTF, GLB, MGF or pbrt that stands alone, or a zip archive.
 ///
-/// An archive's scene file is `scene.xml`, `scene.json`, `scene.gltf` or `scene.glb` at its top level, or else the only
-/// `.xml`, `.json`, `.gltf` or `.glb` file there. `name` is what errors call the file. See [`load_file`] for `defines`.
+/// An archive's scene file is `scene.xml`, `scene.json`, `scene.gltf`, `scene.glb`, `scene.mgf` or `scene.pbrt` at its top
+/// level, or else the only file there with one of these extensions. `name` is what errors call the file. See [`load_file`] for `defines`.
 ///
 /// # Errors
 /// As [`load_file`]; also when the archive is malformed or its scene file is missing or ambiguous.
@@ -67,6 +68,7 @@ enum Format {
     Gltf,
     Glb,
     Mgf,
+    Pbrt,
     Zip,
 }
 
@@ -110,6 +112,11 @@ impl Source {
             }
             Format::Mgf => {
                 let (reading, generated) = mgf::read(&self.text, &location, &self.bundle, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
+            Format::Pbrt => {
+                let (reading, generated) = pbrt::read(&self.text, &location, &self.bundle, defines)?;
                 bundle = bundle.with_generated(generated);
                 reading
             }
@@ -163,6 +170,7 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
             Err(SceneError::new(location, "the scene file is UTF-16 text", "save it as UTF-8"))
         }
         Some(_) if mgf::is_mgf(text, &location.file) => Ok(Format::Mgf),
+        Some(_) if pbrt::is_pbrt(text, &location.file) => Ok(Format::Pbrt),
         Some(_) => {
             let remedy = "give a Mitsuba 3 scene as XML or as a JSON dictionary, a glTF scene, or a zip archive with one of them";
             Err(SceneError::new(location, "this is neither XML, JSON, GLB nor a zip archive", remedy))
@@ -171,13 +179,14 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
 }
 
 /// What the scene file of an archive may be called whatever stands beside it.
-const STANDARD_NAMES: [&str; 5] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb", "scene.mgf"];
+const STANDARD_NAMES: [&str; 6] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb", "scene.mgf", "scene.pbrt"];
 
 /// The scene file among the names in an archive, or why there is none.
 fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
     let top: Vec<&str> = names.filter(|name| !name.contains('/')).collect();
     let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    let is_scene = |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb" | "mgf"));
+    let is_scene =
+        |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb" | "mgf" | "pbrt"));
     let preferred: Vec<&str> = top.iter().copied().filter(|name| STANDARD_NAMES.contains(name)).collect();
     let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
     match candidates.as_slice() {

@@ -54,6 +54,7 @@ fn name_in_archive(
         Format::Gltf => "scene.gltf",
         Format::Glb => "scene.glb",
         Format::Mgf => "scene.mgf",
+        Format::Pbrt => "scene.pbrt",
         Format::Json | Format::Zip => "scene.json",
     };
     let found = |name: &&str| {

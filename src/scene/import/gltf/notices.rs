@@ -7,7 +7,7 @@ use super::super::report::Notice;
 
 /// Notices that differ in their place only are one, so that a big file does not make a long report.
 #[derive(Default)]
-pub(super) struct Notices {
+pub(in super::super) struct Notices {
     list: Vec<Entry>,
     places: HashMap<(String, String), usize>,
 }
@@ -21,7 +21,7 @@ struct Entry {
 
 impl Notices {
     /// Adds a notice, or counts it if its subject was reported before.
-    pub(super) fn add(&mut self, notice: Notice) {
+    pub(in super::super) fn add(&mut self, notice: Notice) {
         let next = self.list.len();
         let place = *self.places.entry((notice.subject.clone(), notice.explanation.clone())).or_insert(next);
         match self.list.get_mut(place) {
@@ -36,7 +36,7 @@ impl Notices {
     }
 
     /// The notices in the order of their first places.
-    pub(super) fn into_list(self) -> Vec<Notice> {
+    pub(in super::super) fn into_list(self) -> Vec<Notice> {
         let finish = |Entry { mut notice, count, .. }: Entry| {
             if count > 1 {
                 let space = if notice.explanation.is_empty() { "" } else { " " };

@@ -10,7 +10,7 @@ mod color;
 mod light_and_shape;
 mod materials;
 mod rules;
-mod spectrum;
+pub(super) mod spectrum;
 mod textures;
 mod version;
 mod xml;

@@ -5,7 +5,7 @@ const VISIBLE: std::ops::Range<u32> = 360..831;
 
 /// Linear Rec. 709 of a spectral density over wavelength in nm, with the scale on which a constant 1 has luminance 1.
 /// Negative channels of colors outside the gamut become 0, as in Mitsuba.
-pub(super) fn to_rgb(density: impl Fn(f64) -> f64) -> [f64; 3] {
+pub(in super::super) fn to_rgb(density: impl Fn(f64) -> f64) -> [f64; 3] {
     let mut xyz = [0.0; 3];
     let mut luminance_of_one = 0.0;
     for wavelength in VISIBLE.map(f64::from) {
@@ -40,7 +40,7 @@ fn color_matching(wavelength: f64) -> [f64; 3] {
 }
 
 /// Linear interpolation between points of increasing wavelength; 0 outside.
-pub(super) fn interpolate(points: &[(f64, f64)], wavelength: f64) -> f64 {
+pub(in super::super) fn interpolate(points: &[(f64, f64)], wavelength: f64) -> f64 {
     let after = points.partition_point(|(position, _)| *position <= wavelength);
     match (after.checked_sub(1).map(|before| points[before]), points.get(after)) {
         (Some((start, low)), Some(&(end, high))) => low + (high - low) * (wavelength - start) / (end - start),
@@ -50,7 +50,7 @@ pub(super) fn interpolate(points: &[(f64, f64)], wavelength: f64) -> f64 {
 }
 
 /// Planck's law: W·m⁻²·sr⁻¹·nm⁻¹ at a wavelength in nm and a temperature in K.
-pub(super) fn black_body(wavelength: f64, temperature: f64) -> f64 {
+pub(in super::super) fn black_body(wavelength: f64, temperature: f64) -> f64 {
     const LIGHT: f64 = 299_792_458.0;
     const PLANCK: f64 = 6.626_070_15e-34;
     const BOLTZMANN: f64 = 1.380_649e-23;

@@ -1,0 +1,365 @@
+//! pbrt-v4 [Pharr, Jakob and Humphreys 2023].
+//!
+//! A file is a list of directives. Some change what is current (transform, material, area light), others make shapes and
+//! lights of it. Meshes that stand in the text become PLY files in memory. What is supported, approximated and refused
+//! stands in `docs/SCENES.md`; whatever a scene loses is in its notices.
+
+mod attributes;
+mod light;
+mod material;
+mod mesh;
+mod options;
+mod output;
+mod parameters;
+mod placement;
+mod shape;
+mod spectrum;
+mod text;
+mod texture;
+
+use std::collections::{BTreeMap, HashMap};
+
+use glam::DMat4;
+
+use super::draft::{Draft, Reading};
+use super::values::shown;
+use crate::scene::bundle::{Bundle, Files};
+use crate::scene::description::PluginClass;
+use crate::scene::error::{Location, SceneError, nearest_name};
+use attributes::Attributes;
+use material::Material;
+use options::{Directive, Options};
+use output::Output;
+use parameters::Parameters;
+use placement::Object;
+use text::{Token, Tokens};
+use texture::Textures;
+
+/// How deep files may include files.
+const INCLUDE_DEPTH_LIMIT: usize = 32;
+/// How many files may be included.
+const INCLUDE_LIMIT: usize = 10_000;
+/// How many bytes of text a scene may have, counted anew in every include.
+const TEXT_LIMIT: usize = 256 << 20;
+/// How many things a scene may name: materials, objects, coordinate systems.
+const NAME_LIMIT: usize = 65_536;
+
+const DIRECTIVES: [&str; 38] = [
+    "Accelerator",
+    "ActiveTransform",
+    "AreaLightSource",
+    "Attribute",
+    "AttributeBegin",
+    "AttributeEnd",
+    "Camera",
+    "ColorSpace",
+    "ConcatTransform",
+    "CoordSysTransform",
+    "CoordinateSystem",
+    "Film",
+    "Identity",
+    "Import",
+    "Include",
+    "Integrator",
+    "LightSource",
+    "LookAt",
+    "MakeNamedMaterial",
+    "MakeNamedMedium",
+    "Material",
+    "MediumInterface",
+    "NamedMaterial",
+    "ObjectBegin",
+    "ObjectEnd",
+    "ObjectInstance",
+    "Option",
+    "PixelFilter",
+    "ReverseOrientation",
+    "Rotate",
+    "Sampler",
+    "Scale",
+    "Shape",
+    "Texture",
+    "Transform",
+    "TransformBegin",
+    "TransformEnd",
+    "Translate",
+];
+
+/// Whether a file is pbrt's, by its name or by its first directive.
+pub(super) fn is_pbrt(bytes: &[u8], name: &str) -> bool {
+    if name.to_ascii_lowercase().ends_with(".pbrt") {
+        return true;
+    }
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(65_536)]);
+    let first = Tokens::new(name, &start).next();
+    matches!(first, Ok(Some(Token::Word(word))) if word == "WorldBegin" || DIRECTIVES.contains(&word))
+}
+
+/// Reads a scene file and everything that it includes from `bundle`. pbrt has no parameters, so every define is an error.
+///
+/// # Errors
+/// On malformed text, with file, line and directive; on what would make another picture if it were left out.
+pub(super) fn read(
+    bytes: &[u8],
+    location: &Location,
+    bundle: &Bundle,
+    defines: &[(String, String)],
+) -> Result<(Reading, Files), SceneError> {
+    if let Some((name, _)) = defines.first() {
+        let problem = format!("the scene does not use the defined parameter \"{name}\"");
+        return Err(SceneError::new(location, problem, "a pbrt scene has no parameters: write the value into it"));
+    }
+    let mut reader = Reader::new(bundle);
+    reader.follow_text(bytes, location)?;
+    if reader.attributes.depth() > 0 {
+        let problem = "the file ends before an AttributeBegin, TransformBegin or ObjectBegin does";
+        return Err(SceneError::new(location, problem, "make sure that the file is complete"));
+    }
+    let Reader { mut output, options, objects, .. } = reader;
+    let plugins = options.plugins(location, &mut output)?;
+    for (_, Object { id, location, shapes }) in objects {
+        let group = Draft { id, ..Draft::new(PluginClass::Shape, "shapegroup", &location) };
+        let group = shapes.into_iter().fold(group, |group, shape| group.with_child("", shape));
+        if !group.children.is_empty() {
+            output.plugins.push(group);
+        }
+    }
+    output.drop_unused();
+    let scene = Draft::new(PluginClass::Scene, "scene", location);
+    let children = plugins.into_iter().chain(output.plugins);
+    let root = children.fold(scene, |scene, plugin| scene.with_child("", plugin));
+    let (includes, notices) = (output.includes, output.notices.into_list());
+    Ok((Reading { root, aliases: Vec::new(), includes, notices }, output.generated))
+}
+
+struct Reader<'a> {
+    output: Output<'a>,
+    options: Options,
+    attributes: Attributes,
+    textures: Textures,
+    materials: HashMap<String, Material>,
+    systems: HashMap<String, DMat4>,
+    objects: BTreeMap<String, Object>,
+    /// The object that is being made.
+    object: Option<String>,
+    in_world: bool,
+    /// How many files are open, how many were, and the bytes of all their text.
+    open: usize,
+    included: usize,
+    text_size: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn new(bundle: &'a Bundle) -> Self {
+        Self {
+            output: Output::new(bundle),
+            options: Options::default(),
+            attributes: Attributes::default(),
+            textures: Textures::default(),
+            materials: HashMap::new(),
+            systems: HashMap::new(),
+            objects: BTreeMap::new(),
+            object: None,
+            in_world: false,
+            open: 0,
+            included: 0,
+            text_size: 0,
+        }
+    }
+
+    fn follow_text(&mut self, bytes: &[u8], location: &Location) -> Result<(), SceneError> {
+        self.text_size = self.text_size.saturating_add(bytes.len());
+        if self.text_size > TEXT_LIMIT {
+            return Err(SceneError::new(location, "the scene has more than 256 MiB of text", "use PLY files"));
+        }
+        let text = String::from_utf8_lossy(bytes);
+        let mut tokens = Tokens::new(&location.file, &text);
+        loop {
+            let mut place = tokens.place("");
+            match tokens.next()? {
+                None => return Ok(()),
+                Some(Token::Word(directive)) => {
+                    place.path = directive.chars().take(40).collect();
+                    self.follow(directive, &mut tokens, place)?;
+                }
+                Some(other) => {
+                    let problem = format!("{} stands where a directive is expected", other.shown());
+                    return Err(SceneError::new(&place, problem, "check the lines before it"));
+                }
+            }
+        }
+    }
+
+    fn follow(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {
+        if self.attributes.follow(directive, tokens, &place)? {
+            return Ok(());
+        }
+        match directive {
+            "WorldBegin" => {
+                self.in_world = true;
+                self.attributes.set_transform(DMat4::IDENTITY);
+                self.systems.insert("world".to_owned(), DMat4::IDENTITY);
+                Ok(())
+            }
+            "Include" | "Import" => self.include(directive, tokens, &place),
+            "CoordinateSystem" => {
+                let name = string(tokens, &place)?;
+                self.check_names(self.systems.len(), &place)?;
+                self.systems.insert(name, self.attributes.transform());
+                Ok(())
+            }
+            "CoordSysTransform" => {
+                let name = string(tokens, &place)?;
+                let system = self.systems.get(&name).copied();
+                // pbrt warns and goes on, which moves what follows.
+                let unknown = || SceneError::new(&place, format!("there is no coordinate system {}", shown(&name)), "");
+                self.attributes.set_transform(system.ok_or_else(unknown)?);
+                Ok(())
+            }
+            "Camera" | "Film" | "PixelFilter" | "Integrator" => self.option(directive, tokens, place),
+            "Sampler" | "Accelerator" | "Option" | "ColorSpace" => self.pass_over(directive, tokens, place),
+            "Attribute" | "MakeNamedMedium" | "MediumInterface" => self.leave_out(directive, tokens, place),
+            "Material" | "MakeNamedMaterial" | "NamedMaterial" => self.material(directive, tokens, place),
+            "Texture" => {
+                let names = [string(tokens, &place)?, string(tokens, &place)?, string(tokens, &place)?];
+                let parameters = Parameters::read(tokens, place)?;
+                self.textures.define(names.each_ref().map(String::as_str), &parameters, &mut self.output)
+            }
+            "AreaLightSource" => {
+                let (kind, parameters) = named(tokens, place)?;
+                self.attributes.current.light = Some(light::area(&kind, &parameters, &mut self.output)?);
+                Ok(())
+            }
+            "LightSource" => {
+                let (kind, parameters) = named(tokens, place)?;
+                light::other(&kind, &parameters, self.attributes.transform(), &mut self.output)
+            }
+            "Shape" => self.shape(tokens, place),
+            "ObjectBegin" | "ObjectEnd" | "ObjectInstance" => self.object(directive, tokens, &place),
+            _ => {
+                let problem = format!("there is no directive {}", shown(directive));
+                Err(SceneError::new(&place, problem, nearest_name(directive, &DIRECTIVES)))
+            }
+        }
+    }
+
+    fn check_names(&self, count: usize, place: &Location) -> Result<(), SceneError> {
+        if count < NAME_LIMIT {
+            return Ok(());
+        }
+        Err(SceneError::new(place, format!("the scene names more than {NAME_LIMIT} of these"), "use them again"))
+    }
+
+    /// File names are relative to the main file, wherever they stand.
+    fn include(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: &Location) -> Result<(), SceneError> {
+        let name = string(tokens, place)?;
+        self.included += 1;
+        if self.open >= INCLUDE_DEPTH_LIMIT || self.included > INCLUDE_LIMIT {
+            let problem = format!(
+                "files include files more than {INCLUDE_DEPTH_LIMIT} deep, or more than {INCLUDE_LIMIT} of them"
+            );
+            return Err(SceneError::new(place, problem, "make sure that no file includes itself"));
+        }
+        let content = self.output.read(&name, place)?;
+        if !self.output.includes.iter().any(|(known, _)| *known == name) {
+            self.output.includes.push((name.clone(), place.clone()));
+        }
+        let outside = self.attributes.current.clone();
+        self.open += 1;
+        self.follow_text(&content, &Location { file: name, ..Location::default() })?;
+        self.open -= 1;
+        if directive == "Import" {
+            self.attributes.current = outside;
+        }
+        Ok(())
+    }
+
+    fn option(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {
+        let (name, parameters) = named(tokens, place)?;
+        if self.in_world {
+            return Err(SceneError::new(&parameters.place, "it stands after WorldBegin", "move it before WorldBegin"));
+        }
+        let transform = self.attributes.transform();
+        let option = Some(Directive { name, parameters });
+        match directive {
+            "Film" => self.options.film = option,
+            "PixelFilter" => self.options.filter = option,
+            "Integrator" => self.options.integrator = option,
+            _ => {
+                self.systems.insert("camera".to_owned(), transform.inverse());
+                self.options.camera = option.map(|camera| (camera, transform));
+            }
+        }
+        Ok(())
+    }
+
+    /// Directives that choose how pbrt computes.
+    fn pass_over(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {
+        if directive == "ColorSpace" {
+            let space = string(tokens, &place)?;
+            if space != "srgb" {
+                self.output.approximated(&place, format!("the color space {}", shown(&space)), "rgb is linear sRGB");
+            }
+            return Ok(());
+        }
+        if directive != "Option" {
+            string(tokens, &place)?;
+        }
+        Parameters::read(tokens, place).map(drop)
+    }
+
+    /// Directives that have no counterpart.
+    fn leave_out(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {
+        let first = string(tokens, &place)?;
+        let explanation = match directive {
+            "Attribute" => "its parameters count at each directive only",
+            _ => "there are no media: light passes freely",
+        };
+        let second = if directive == "MediumInterface" { tokens.next_if_quoted()? } else { None };
+        let vacuum = directive == "MediumInterface" && first.is_empty() && second.is_none_or(|name| name.is_empty());
+        if !vacuum {
+            self.output.ignored(&place, directive, explanation);
+        }
+        Parameters::read(tokens, place).map(drop)
+    }
+
+    fn material(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {
+        let (name, parameters) = named(tokens, place)?;
+        let Self { textures, materials, output, .. } = self;
+        match directive {
+            "NamedMaterial" => {
+                let material = material::find(materials, &name, &parameters)?;
+                self.attributes.current.material = Some(material.clone());
+            }
+            "Material" => {
+                let material = material::read(&name, &name, &parameters, textures, materials, output)?;
+                self.attributes.current.material = Some(material);
+            }
+            _ => {
+                let Some(kind) = parameters.text("type")? else {
+                    return Err(SceneError::new(
+                        &parameters.place,
+                        "the material has no \"type\"",
+                        "add \"string type\"",
+                    ));
+                };
+                let material = material::read(kind, &name, &parameters, textures, materials, output)?;
+                if materials.insert(name.clone(), material).is_some() {
+                    let problem = format!("there are two materials {}", shown(&name));
+                    return Err(SceneError::new(&parameters.place, problem, "give each a name of its own"));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The string that must come next.
+fn string(tokens: &mut Tokens<'_>, place: &Location) -> Result<String, SceneError> {
+    tokens.next_if_quoted()?.ok_or_else(|| SceneError::new(place, "a string is missing", "write a name in quotes"))
+}
+
+/// A string and the parameters after it.
+fn named(tokens: &mut Tokens<'_>, place: Location) -> Result<(String, Parameters), SceneError> {
+    Ok((string(tokens, &place)?, Parameters::read(tokens, place)?))
+}

@@ -1,0 +1,253 @@
+//! What stands before `WorldBegin`: camera, film, pixel filter, integrator.
+
+use glam::{DMat4, DVec3};
+
+use super::super::draft::Draft;
+use super::super::values::shown;
+use super::output::{Output, with_integer};
+use super::parameters::Parameters;
+use crate::scene::description::PluginClass;
+use crate::scene::error::{Location, SceneError, nearest_name};
+
+/// A directive with its first string.
+pub(super) struct Directive {
+    pub name: String,
+    pub parameters: Parameters,
+}
+
+/// The last of each directive, which is the one that counts.
+#[derive(Default)]
+pub(super) struct Options {
+    /// With the transform from the world to it.
+    pub camera: Option<(Directive, DMat4)>,
+    pub film: Option<Directive>,
+    pub filter: Option<Directive>,
+    pub integrator: Option<Directive>,
+}
+
+impl Options {
+    /// The sensor and the integrator.
+    ///
+    /// # Errors
+    /// Without a camera; on cameras other than `perspective`.
+    pub(super) fn plugins(&self, place: &Location, output: &mut Output<'_>) -> Result<[Draft; 2], SceneError> {
+        let Some((camera, from_world)) = &self.camera else {
+            let remedy = "add a Camera before WorldBegin, and pass the main file, not an included one";
+            return Err(SceneError::new(place, "the scene has no Camera", remedy));
+        };
+        let (film, aspect) = self.film(place, output)?;
+        let sensor = sensor(camera, *from_world, aspect, output)?.with_child("", film);
+        Ok([sensor, self.method(place, output)?])
+    }
+
+    /// The film, and its width over its height.
+    fn film(&self, place: &Location, output: &mut Output<'_>) -> Result<(Draft, f64), SceneError> {
+        let filter = self.pixel_filter(place, output)?;
+        let Some(Directive { name, parameters }) = &self.film else {
+            let film = with_integer(Draft::new(PluginClass::Film, "hdrfilm", place), "width", 1280);
+            return Ok((with_integer(film, "height", 720).with_child("", filter), 1280.0 / 720.0));
+        };
+        match name.as_str() {
+            "rgb" => {}
+            "gbuffer" | "spectral" => {
+                let subject = format!("film {}", shown(name));
+                output.approximated(&parameters.place, subject, "the picture is a film \"rgb\"");
+            }
+            _ => {
+                let problem = format!("there is no film {}", shown(name));
+                let remedy = nearest_name(name, &["rgb", "gbuffer", "spectral"]);
+                return Err(SceneError::new(&parameters.place, problem, remedy));
+            }
+        }
+        let side = |name: &str, default: i64| -> Result<i64, SceneError> {
+            match parameters.integer(name)?.unwrap_or(default) {
+                pixels if (1..=1 << 28).contains(&pixels) => Ok(pixels),
+                pixels => {
+                    let problem = format!("\"{name}\" is {pixels}");
+                    Err(SceneError::new(&parameters.place, problem, "give a number of pixels above 0"))
+                }
+            }
+        };
+        let size = [side("xresolution", 1280)?, side("yresolution", 720)?];
+        let film = Draft::new(PluginClass::Film, "hdrfilm", &parameters.place);
+        let film = with_integer(with_integer(film, "width", size[0]), "height", size[1]);
+        let film = window(film, size, parameters)?;
+        parameters.pass_over(&["filename", "savefp16", "diagonal"]);
+        output.report_unused(&format!("film {}", shown(name)), parameters)?;
+        Ok((film.with_child("", filter), size[0] as f64 / size[1] as f64))
+    }
+
+    fn pixel_filter(&self, place: &Location, output: &mut Output<'_>) -> Result<Draft, SceneError> {
+        let plugin = |plugin: &str, place: &Location| Draft::new(PluginClass::ReconstructionFilter, plugin, place);
+        let Some(Directive { name, parameters }) = &self.filter else {
+            return Ok(plugin("gaussian", place).with_float("stddev", 0.5));
+        };
+        let place = &parameters.place;
+        let default = match name.as_str() {
+            "box" => 0.5,
+            "triangle" | "mitchell" => 2.0,
+            "gaussian" => 1.5,
+            "sinc" => 4.0,
+            _ => {
+                let remedy = nearest_name(name, &["box", "triangle", "mitchell", "gaussian", "sinc"]);
+                return Err(SceneError::new(place, format!("there is no pixel filter {}", shown(name)), remedy));
+            }
+        };
+        let [x, y] = ["xradius", "yradius"].map(|name| parameters.float(name));
+        let (x, y) = (x?.unwrap_or(default), y?.unwrap_or(default));
+        if x != y {
+            output.approximated(place, "a pixel filter of two radii", "their mean takes their place");
+        }
+        let radius = 0.5 * (x + y);
+        let filter = match name.as_str() {
+            "box" => plugin("box", place).with_float("radius", radius),
+            "triangle" => plugin("tent", place).with_float("radius", radius),
+            "gaussian" => {
+                let stddev = parameters.float("sigma")?.unwrap_or(0.5);
+                if (radius - 4.0 * stddev).abs() > 1.01 * stddev {
+                    let instead = "it ends at four standard deviations";
+                    output.approximated(place, format!("a gaussian filter of radius {radius}"), instead);
+                }
+                plugin("gaussian", place).with_float("stddev", stddev)
+            }
+            "mitchell" => plugin("mitchell", place),
+            _ => plugin("lanczos", place),
+        };
+        parameters.pass_over(&["B", "C", "tau"]);
+        output.report_unused(&format!("pixel filter {}", shown(name)), parameters)?;
+        Ok(filter)
+    }
+
+    /// pbrt counts how often light is scattered, photonfarm the segments of its path: one more.
+    fn method(&self, place: &Location, output: &mut Output<'_>) -> Result<Draft, SceneError> {
+        const DEPTH: i64 = 5;
+        let draft = |name: &str, place: &Location| Draft::new(PluginClass::Integrator, name, place);
+        let Some(Directive { name, parameters }) = &self.integrator else {
+            return Ok(with_integer(draft("path", place), "max_depth", DEPTH + 1));
+        };
+        let place = &parameters.place;
+        let (plugin, replaced) = match name.as_str() {
+            "path" => ("path", false),
+            "bdpt" => ("bdpt", false),
+            "sppm" => ("sppm", false),
+            "volpath" | "simplepath" | "simplevolpath" => ("path", name == "simplevolpath"),
+            "lightpath" => ("ptracer", false),
+            "mlt" => ("bdpt", true),
+            "ao" | "ambientocclusion" | "function" | "randomwalk" => ("path", true),
+            _ => {
+                let known = ["path", "volpath", "bdpt", "mlt", "sppm", "simplepath", "lightpath", "randomwalk"];
+                let problem = format!("there is no integrator {}", shown(name));
+                return Err(SceneError::new(place, problem, nearest_name(name, &known)));
+            }
+        };
+        if replaced {
+            let subject = format!("integrator {}", shown(name));
+            output.approximated(place, subject, format!("\"{plugin}\" takes its place"));
+        }
+        let depth = match parameters.integer("maxdepth")?.unwrap_or(DEPTH) {
+            depth if (0..1 << 31).contains(&depth) => depth,
+            depth => {
+                let problem = format!("\"maxdepth\" is {depth}");
+                return Err(SceneError::new(place, problem, "give a whole number of at least 0"));
+            }
+        };
+        let mut method = with_integer(draft(plugin, place), "max_depth", depth + 1);
+        if plugin == "sppm" {
+            output.approximated(place, "\"maxdepth\" of \"sppm\"", "it limits whole paths, not both of their parts");
+            if let Some(photons) = parameters.integer("photonsperiteration")?.filter(|photons| *photons > 0) {
+                method = with_integer(method, "photons_per_pass", photons);
+            }
+            if let Some(radius) = parameters.float("radius")? {
+                method = method.with_float("initial_radius", radius);
+            }
+            parameters.pass_over(&["seed"]);
+        }
+        // They choose how pbrt finds the same light.
+        let details = ["lightsampler", "rrthreshold", "samplelights", "samplebsdf", "visualizestrategies"];
+        parameters.pass_over(&details);
+        parameters.pass_over(&["visualizeweights", "bootstrapsamples", "chains", "mutationsperpixel"]);
+        parameters.pass_over(&["largestepprobability", "sigma"]);
+        output.report_unused(&format!("integrator {}", shown(name)), parameters)?;
+        Ok(method)
+    }
+}
+
+/// The part of the film that is rendered, in shares of its sides or in pixels.
+fn window(film: Draft, size: [i64; 2], parameters: &Parameters) -> Result<Draft, SceneError> {
+    let crop = parameters.numbers("cropwindow", 4)?;
+    let pixels = parameters.numbers("pixelbounds", 4)?;
+    let (edges, is_share) = match (crop, pixels) {
+        (None, None) => return Ok(film),
+        (_, Some(pixels)) => (pixels, false),
+        (Some(crop), None) => (crop, true),
+    };
+    let mut film = film;
+    for (axis, [offset, count]) in
+        [["crop_offset_x", "crop_width"], ["crop_offset_y", "crop_height"]].iter().enumerate()
+    {
+        let whole = size[axis];
+        let edge = |index: usize| {
+            let place = edges[2 * axis + index];
+            let pixel = if is_share { (place * whole as f64).ceil() } else { place };
+            (pixel.is_finite() && (0.0..=whole as f64).contains(&pixel)).then_some(pixel as i64)
+        };
+        let (Some(first), Some(end)) = (edge(0), edge(1)) else {
+            let remedy = "write x0 x1 y0 y1, shares from 0 to 1";
+            return Err(SceneError::new(&parameters.place, "the crop window leaves the film", remedy));
+        };
+        if first >= end {
+            return Err(SceneError::new(&parameters.place, "the crop window is empty", "write x0 x1 y0 y1"));
+        }
+        film = with_integer(with_integer(film, offset, first), count, end - first);
+    }
+    Ok(film)
+}
+
+fn sensor(
+    Directive { name, parameters }: &Directive,
+    from_world: DMat4,
+    aspect: f64,
+    output: &mut Output<'_>,
+) -> Result<Draft, SceneError> {
+    let place = &parameters.place;
+    if name != "perspective" {
+        return Err(SceneError::new(
+            place,
+            format!("the camera is {}", shown(name)),
+            "only \"perspective\" is supported",
+        ));
+    }
+    if parameters.has("screenwindow") {
+        let remedy = "choose the picture by resolution, fov and cropwindow";
+        return Err(SceneError::new(place, "a screenwindow is not supported", remedy));
+    }
+    if parameters.float("frameaspectratio")?.is_some_and(|ratio| (ratio / aspect - 1.0).abs() > 1e-3) {
+        let remedy = "remove it, or change the film's resolution";
+        return Err(SceneError::new(place, "the frameaspectratio is not that of the film", remedy));
+    }
+    let fov = parameters.float("fov")?.unwrap_or(90.0);
+    let focus = parameters.float("focaldistance")?;
+    let radius = parameters.float("lensradius")?.unwrap_or(0.0);
+    parameters.pass_over(&["shutteropen", "shutterclose"]);
+    output.report_unused("camera \"perspective\"", parameters)?;
+    let inverse = from_world.inverse();
+    if !inverse.is_finite() {
+        return Err(SceneError::new(place, "the camera's transform cannot be inverted", "check the lines above it"));
+    }
+    // x is to the right in pbrt, to the left here.
+    let to_world = inverse * DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+    let plugin = if radius > 0.0 { "thinlens" } else { "perspective" };
+    let sensor = Draft::new(PluginClass::Sensor, plugin, place)
+        .with_float("fov", fov)
+        .with_text("fov_axis", "smaller")
+        // pbrt's rays begin at the camera and have no end.
+        .with_float("near_clip", 1e-6)
+        .with_float("far_clip", 1e10)
+        .with_transform("to_world", to_world);
+    if radius <= 0.0 {
+        return Ok(sensor);
+    }
+    // Both are in the camera's space, which may be scaled.
+    let scale = inverse.z_axis.truncate().length();
+    Ok(sensor.with_float("aperture_radius", radius * scale).with_float("focus_distance", focus.unwrap_or(1e6) * scale))
+}

@@ -1,0 +1,285 @@
+//! Textures, and parameters that are a color, a number, or a texture.
+//!
+//! pbrt looks images up with v from their bottom, photonfarm from their top. Meshes are imported with 1 - v, which is
+//! also what photonfarm's spheres have; textures therefore see pbrt's u and this program's v = 1 - v.
+
+use std::collections::HashMap;
+
+use glam::{DMat4, DVec3};
+
+use super::super::draft::Draft;
+use super::super::values::shown;
+use super::output::{Output, referring};
+use super::parameters::{Parameter, Parameters};
+use super::spectrum::{self, Purpose};
+use crate::scene::description::{PluginClass, Value};
+use crate::scene::error::{SceneError, nearest_name};
+
+/// A value that may vary over a surface.
+#[derive(Clone, Debug)]
+pub(super) enum Ink {
+    Color([f64; 3]),
+    /// The id of a texture.
+    Texture(String),
+}
+
+impl Ink {
+    /// Whether it is a texture.
+    pub(super) fn is_texture(&self) -> bool {
+        matches!(self, Self::Texture(_))
+    }
+
+    /// Whether it is 1 everywhere.
+    pub(super) fn is_one(&self) -> bool {
+        matches!(self, Self::Color([1.0, ..]))
+    }
+
+    /// Gives it to `draft` as the parameter `name`.
+    pub(super) fn put(&self, draft: Draft, name: &str) -> Draft {
+        match self {
+            Self::Color(rgb) => draft.with_rgb(name, *rgb),
+            Self::Texture(id) => referring(draft, name, id),
+        }
+    }
+
+    /// The same as a number.
+    pub(super) fn put_number(&self, draft: Draft, name: &str) -> Draft {
+        match self {
+            Self::Color([number, ..]) => draft.with_float(name, *number),
+            Self::Texture(id) => referring(draft, name, id),
+        }
+    }
+
+    /// `factor` times it.
+    pub(super) fn scaled(
+        &self,
+        factor: [f64; 3],
+        parameters: &Parameters,
+        output: &mut Output<'_>,
+    ) -> Result<Self, SceneError> {
+        Ok(match self {
+            Self::Color(rgb) => Self::Color(std::array::from_fn(|channel| rgb[channel] * factor[channel])),
+            Self::Texture(_) if factor == [1.0; 3] => self.clone(),
+            Self::Texture(id) => {
+                let draft = Draft::new(PluginClass::Texture, "scale", &parameters.place).with_rgb("scale", factor);
+                Self::Texture(output.define("texture", "scaled", draft.with_reference(id))?)
+            }
+        })
+    }
+}
+
+/// The textures by their names; those of numbers and those of spectra are apart.
+#[derive(Default)]
+pub(super) struct Textures {
+    floats: HashMap<String, Ink>,
+    spectra: HashMap<String, Ink>,
+}
+
+const CLASSES: [&str; 12] = [
+    "constant",
+    "scale",
+    "imagemap",
+    "checkerboard",
+    "mix",
+    "directionmix",
+    "bilerp",
+    "dots",
+    "fbm",
+    "marble",
+    "wrinkled",
+    "windy",
+];
+
+impl Textures {
+    /// The color or texture `name`; a texture is found among those of spectra.
+    pub(super) fn color(
+        &self,
+        parameters: &Parameters,
+        name: &str,
+        output: &mut Output<'_>,
+    ) -> Result<Option<Ink>, SceneError> {
+        let Some(parameter) = parameters.find(name) else { return Ok(None) };
+        if parameter.kind == "texture" {
+            return Self::named(&self.spectra, parameter).map(Some);
+        }
+        spectrum::read(parameter, Purpose::Reflectance, output).map(|rgb| Some(Ink::Color(rgb)))
+    }
+
+    /// The number or texture `name`.
+    pub(super) fn number(&self, parameters: &Parameters, name: &str) -> Result<Option<Ink>, SceneError> {
+        match parameters.find(name) {
+            None => Ok(None),
+            Some(parameter) if parameter.kind == "texture" => Self::named(&self.floats, parameter).map(Some),
+            Some(parameter) => Ok(Some(Ink::Color([parameter.number()?; 3]))),
+        }
+    }
+
+    fn named(textures: &HashMap<String, Ink>, parameter: &Parameter) -> Result<Ink, SceneError> {
+        let name = parameter.text()?;
+        textures.get(name).cloned().ok_or_else(|| {
+            let known: Vec<&str> = textures.keys().map(String::as_str).collect();
+            let mut known: Vec<&str> = known.into_iter().filter(|name| name.len() < 80).collect();
+            known.sort_unstable();
+            let problem = format!("there is no texture {} of this type", shown(name));
+            parameter.error(problem, &nearest_name(name, &known))
+        })
+    }
+
+    /// Follows a `Texture` directive.
+    pub(super) fn define(
+        &mut self,
+        [name, kind, class]: [&str; 3],
+        parameters: &Parameters,
+        output: &mut Output<'_>,
+    ) -> Result<(), SceneError> {
+        let is_float = match kind {
+            "float" => true,
+            "spectrum" | "color" => false,
+            _ => {
+                let problem = format!("there are no textures of type {}", shown(kind));
+                return Err(SceneError::new(&parameters.place, problem, nearest_name(kind, &["float", "spectrum"])));
+            }
+        };
+        let ink = self.read(class, is_float, parameters, output)?;
+        output.report_unused(&format!("texture {}", shown(class)), parameters)?;
+        let textures = if is_float { &mut self.floats } else { &mut self.spectra };
+        if textures.insert(name.to_owned(), ink).is_none() {
+            return Ok(());
+        }
+        let problem = format!("there are two textures {}", shown(name));
+        Err(SceneError::new(&parameters.place, problem, "give each a name of its own"))
+    }
+
+    fn read(
+        &self,
+        class: &str,
+        is_float: bool,
+        parameters: &Parameters,
+        output: &mut Output<'_>,
+    ) -> Result<Ink, SceneError> {
+        let part = |name: &str, default: f64, output: &mut Output<'_>| {
+            let given = match is_float {
+                true => self.number(parameters, name)?,
+                false => self.color(parameters, name, output)?,
+            };
+            Ok::<Ink, SceneError>(given.unwrap_or(Ink::Color([default; 3])))
+        };
+        let replaced = |ink: Ink, instead: &str, output: &mut Output<'_>| {
+            output.approximated(&parameters.place, format!("texture {}", shown(class)), instead);
+            Ok(ink)
+        };
+        match class {
+            "constant" => part("value", 1.0, output),
+            "scale" => {
+                let (base, factor) = (part("tex", 1.0, output)?, self.number(parameters, "scale")?);
+                match (base, factor.unwrap_or(Ink::Color([1.0; 3]))) {
+                    (base, Ink::Color(factor)) => base.scaled(factor, parameters, output),
+                    (Ink::Color(factor), base) => base.scaled(factor, parameters, output),
+                    (base, _) => replaced(base, "its scale, a texture too, counts as 1", output),
+                }
+            }
+            "imagemap" => image(parameters, output),
+            "checkerboard" => {
+                let fields = [part("tex1", 1.0, output)?, part("tex2", 0.0, output)?];
+                if parameters.integer("dimension")?.unwrap_or(2) != 2 {
+                    let [field, _] = fields;
+                    return replaced(field, "in three dimensions, its first one takes its place", output);
+                }
+                checkerboard(fields, parameters, output)
+            }
+            "mix" | "directionmix" => {
+                let (first, second) = (part("tex1", 0.0, output)?, part("tex2", 1.0, output)?);
+                let amount = self.number(parameters, "amount")?.unwrap_or(Ink::Color([0.5; 3]));
+                match (first, second, amount) {
+                    (Ink::Color(first), Ink::Color(second), Ink::Color([amount, ..])) if class == "mix" => {
+                        let mixed = |channel: usize| first[channel] * (1.0 - amount) + second[channel] * amount;
+                        Ok(Ink::Color(std::array::from_fn(mixed)))
+                    }
+                    (_, second, Ink::Color([amount, ..])) if amount > 0.5 => {
+                        replaced(second, "\"tex2\" takes its place", output)
+                    }
+                    (first, ..) => replaced(first, "\"tex1\" takes its place", output),
+                }
+            }
+            "bilerp" => replaced(part("v00", 0.0, output)?, "its color at (0, 0) takes its place", output),
+            "dots" => replaced(part("outside", 0.0, output)?, "its color outside of the dots takes its place", output),
+            "fbm" | "marble" | "wrinkled" | "windy" => replaced(Ink::Color([0.5; 3]), "grey takes its place", output),
+            _ => {
+                let problem = format!("there is no texture {}", shown(class));
+                Err(SceneError::new(&parameters.place, problem, nearest_name(class, &CLASSES)))
+            }
+        }
+    }
+}
+
+/// Scale and offset of texture coordinates: pbrt's (u, v) that a texture looks at are `scale`·(u, v) + `offset`.
+fn mapping(parameters: &Parameters, output: &mut Output<'_>) -> Result<[DVec3; 2], SceneError> {
+    if let Some(mapping) = parameters.text("mapping")?
+        && mapping != "uv"
+    {
+        let subject = format!("the mapping {} of a texture", shown(mapping));
+        output.approximated(&parameters.place, subject, "texture coordinates take its place");
+    }
+    let pair = |names: [&str; 2], default: f64| -> Result<DVec3, SceneError> {
+        let [u, v] = names.map(|name| parameters.float(name));
+        Ok(DVec3::new(u?.unwrap_or(default), v?.unwrap_or(default), 0.0))
+    };
+    Ok([pair(["uscale", "vscale"], 1.0)?, pair(["udelta", "vdelta"], 0.0)?])
+}
+
+fn map(scale: DVec3, offset: DVec3) -> DMat4 {
+    DMat4::from_translation(offset.with_z(0.0)) * DMat4::from_scale(scale.with_z(1.0))
+}
+
+fn image(parameters: &Parameters, output: &mut Output<'_>) -> Result<Ink, SceneError> {
+    let place = &parameters.place;
+    let Some(name) = parameters.text("filename")? else {
+        return Err(SceneError::new(place, "an imagemap has no \"filename\"", "name the image"));
+    };
+    let mut draft = Draft::new(PluginClass::Texture, "bitmap", place).with_text("filename", name);
+    match parameters.text("encoding")?.unwrap_or("sRGB") {
+        "sRGB" => {}
+        "linear" => draft = draft.with_flag("raw", true),
+        other => output.approximated(place, format!("the encoding {}", shown(other)), "sRGB takes its place"),
+    }
+    match parameters.text("wrap")?.unwrap_or("repeat") {
+        "repeat" => {}
+        "black" => {
+            output.approximated(place, "the wrap mode \"black\"", "\"clamp\" takes its place");
+            draft = draft.with_text("wrap_mode", "clamp");
+        }
+        "clamp" => draft = draft.with_text("wrap_mode", "clamp"),
+        other => {
+            let remedy = nearest_name(other, &["repeat", "black", "clamp"]);
+            return Err(SceneError::new(place, format!("there is no wrap mode {}", shown(other)), remedy));
+        }
+    }
+    match parameters.text("filter")?.unwrap_or("bilinear") {
+        "point" => draft = draft.with_text("filter_type", "nearest"),
+        // They differ from bilinear where texels are smaller than pixels only.
+        "bilinear" | "trilinear" | "ewa" | "EWA" => {}
+        other => output.approximated(place, format!("the filter {}", shown(other)), "bilinear takes its place"),
+    }
+    if parameters.flag("invert")?.unwrap_or(false) {
+        output.ignored(place, "the inversion of an image", "its values are taken as they are");
+    }
+    parameters.pass_over(&["maxanisotropy"]);
+    // The row is 1 - (scale·(1 - v) + offset) of the v here.
+    let [scale, offset] = mapping(parameters, output)?;
+    if scale.truncate() != glam::DVec2::ONE || offset != DVec3::ZERO {
+        let to_uv = map(scale, DVec3::new(offset.x, 1.0 - scale.y - offset.y, 0.0));
+        draft = draft.with("to_uv", Value::Transform(to_uv));
+    }
+    let factor = parameters.float("scale")?.unwrap_or(1.0);
+    Ink::Texture(output.define("texture", "image", draft)?).scaled([factor; 3], parameters, output)
+}
+
+/// pbrt's fields are 1 wide, photonfarm's 1/2.
+fn checkerboard(fields: [Ink; 2], parameters: &Parameters, output: &mut Output<'_>) -> Result<Ink, SceneError> {
+    let [scale, offset] = mapping(parameters, output)?;
+    let to_uv = map(0.5 * scale * DVec3::new(1.0, -1.0, 1.0), 0.5 * DVec3::new(offset.x, scale.y + offset.y, 0.0));
+    let draft = Draft::new(PluginClass::Texture, "checkerboard", &parameters.place).with_transform("to_uv", to_uv);
+    let [first, second] = fields;
+    let draft = second.put(first.put(draft, "color0"), "color1");
+    Ok(Ink::Texture(output.define("texture", "checkerboard", draft)?))
+}
