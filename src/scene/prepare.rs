@@ -204,11 +204,11 @@ impl<'a> Builder<'a> {
         };
         let mut fields = Fields::new(node);
         let geometry = read(&mut fields, self.bundle)?;
+        let emitter = fields.child(PluginClass::Emitter);
         let (material, needs_uv) = match fields.child(PluginClass::Bsdf) {
             Some(node) => self.material(node)?,
-            None => (self.default_material(), false),
+            None => (self.default_material(emitter.is_some()), false),
         };
-        let emitter = fields.child(PluginClass::Emitter);
         let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
@@ -247,9 +247,9 @@ impl<'a> Builder<'a> {
         Ok(read)
     }
 
-    /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5.
-    fn default_material(&mut self) -> u32 {
-        self.materials.push(Material::default_grey());
+    /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5, but black to those that emit.
+    fn default_material(&mut self, emits: bool) -> u32 {
+        self.materials.push(if emits { Material::black() } else { Material::default_grey() });
         self.reliefs.push(None);
         self.materials.len() as u32 - 1
     }

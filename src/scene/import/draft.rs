@@ -1,5 +1,7 @@
 //! Plugins as they stand in a file, before references are resolved.
 
+use glam::DMat4;
+
 use super::super::description::{Parameter, PluginClass, Value};
 use super::super::error::Location;
 use super::report::Notice;
@@ -64,6 +66,33 @@ impl Draft {
         let location = self.location.clone();
         self.children.push(DraftChild { name: String::new(), target: Target::Reference(id.to_owned()), location });
         self
+    }
+}
+
+/// The types of parameters, for each of which there is one way to give it.
+impl Draft {
+    pub(super) fn with_float(self, name: &str, number: f64) -> Self {
+        self.with(name, Value::Float(number))
+    }
+
+    pub(super) fn with_flag(self, name: &str, flag: bool) -> Self {
+        self.with(name, Value::Boolean(flag))
+    }
+
+    pub(super) fn with_text(self, name: &str, text: &str) -> Self {
+        self.with(name, Value::String(text.to_owned()))
+    }
+
+    pub(super) fn with_rgb(self, name: &str, rgb: [f64; 3]) -> Self {
+        self.with(name, Value::Rgb(rgb))
+    }
+
+    pub(super) fn with_point(self, name: &str, point: glam::DVec3) -> Self {
+        self.with(name, Value::Vector(point.to_array()))
+    }
+
+    pub(super) fn with_transform(self, name: &str, matrix: DMat4) -> Self {
+        self.with(name, Value::Transform(matrix))
     }
 }
 

@@ -13,7 +13,6 @@ mod lights;
 mod material;
 mod mesh;
 mod nodes;
-pub(super) mod notices;
 mod specular_glossiness;
 mod texture;
 mod uri;
@@ -25,11 +24,11 @@ use super::super::bundle::{Bundle, Files};
 use super::super::description::PluginClass;
 use super::super::error::{Location, SceneError};
 use super::draft::{Draft, Reading};
+use super::notices::Notices;
 use super::report::Notice;
 use buffers::{Budget, Buffers};
 use entry::Document;
 use material::Materials;
-use notices::Notices;
 
 pub(super) use container::MAGIC;
 
@@ -113,11 +112,19 @@ fn scene(input: &Input<'_>, output: &mut Output) -> Result<Draft, SceneError> {
     let mut materials = Materials::default();
     let contents = nodes::read(input, &mut materials, output)?;
     let location = file.location();
+    let surroundings = contents.is_dark().then(|| white_surroundings(&location, output));
     let sensor = match contents.sensor {
         Some(sensor) => sensor,
         None => camera::framing(contents.bounds, &location, output),
     };
     let scene = Draft::new(PluginClass::Scene, "scene", &location).with_child("", sensor);
-    let plugins = materials.plugins.into_iter().chain(contents.shapes).chain(contents.emitters);
+    let plugins = materials.plugins.into_iter().chain(contents.shapes).chain(contents.emitters).chain(surroundings);
     Ok(plugins.fold(scene, |scene, plugin| scene.with_child("", plugin)))
+}
+
+/// What lights a scene in which nothing emits, as in programs that show models.
+fn white_surroundings(location: &Location, output: &mut Output) -> Draft {
+    let explanation = "a white environment of radiance 1 lights the scene, in which nothing emits";
+    output.notices.add(Notice::approximated(location, "the missing light", explanation));
+    Draft::new(PluginClass::Emitter, "constant", location).with_rgb("radiance", [1.0; 3])
 }

@@ -10,7 +10,6 @@ mod color;
 mod context;
 mod material;
 mod mesh;
-mod nodes;
 mod placement;
 mod polygon;
 mod solids;

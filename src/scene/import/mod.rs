@@ -5,6 +5,7 @@
 //! `plugins` the names of all plugins. `pack` makes the bytes that travel over HTTP, [`native`] writes a description as JSON,
 //! and [`report`] is what an import could not represent.
 
+mod ceng795;
 mod draft;
 mod gltf;
 mod json_text;
@@ -13,9 +14,11 @@ mod mitsuba_json;
 mod mitsuba_old;
 mod mitsuba_xml;
 pub mod native;
+mod notices;
 mod pack;
 mod pbrt;
 mod plugins;
+mod ply_bytes;
 pub mod report;
 mod resolve;
 mod substitution;
@@ -64,6 +67,7 @@ pub fn load_bytes(name: &str, bytes: &[u8], defines: &[(String, String)]) -> Res
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
     Xml,
+    Ceng795,
     Json,
     Gltf,
     Glb,
@@ -104,6 +108,11 @@ impl Source {
         let mut bundle = self.bundle.clone();
         let reading = match format(&self.text, &location)? {
             Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
+            Format::Ceng795 => {
+                let (reading, generated) = ceng795::read(&self.text, &location, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
             Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
             Format::Gltf | Format::Glb => {
                 let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines)?;
@@ -162,6 +171,7 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
     }
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     match text.trim_ascii_start().first() {
+        Some(b'<') if ceng795::is_ceng795(text) => Ok(Format::Ceng795),
         Some(b'<') => Ok(Format::Xml),
         Some(b'{') if gltf::is_gltf(text) => Ok(Format::Gltf),
         Some(b'{') => Ok(Format::Json),

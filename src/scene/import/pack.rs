@@ -50,7 +50,7 @@ fn name_in_archive(
     location: &Location,
 ) -> Result<String, SceneError> {
     let standard = match format(&source.text, location)? {
-        Format::Xml => "scene.xml",
+        Format::Xml | Format::Ceng795 => "scene.xml",
         Format::Gltf => "scene.gltf",
         Format::Glb => "scene.glb",
         Format::Mgf => "scene.mgf",

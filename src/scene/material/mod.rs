@@ -305,4 +305,9 @@ impl Material {
     pub fn default_grey() -> Self {
         Self::TwoSided(TwoSided::matte(0.5))
     }
+
+    /// What a shape without a bsdf is made of when it emits, as in Mitsuba.
+    pub fn black() -> Self {
+        Self::TwoSided(TwoSided::matte(0.0))
+    }
 }

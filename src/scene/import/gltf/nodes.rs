@@ -4,7 +4,7 @@ use glam::{DMat4, DQuat, DVec3};
 
 use super::super::super::description::{PluginClass, Value};
 use super::super::super::error::SceneError;
-use super::super::draft::Draft;
+use super::super::draft::{Draft, Target};
 use super::super::report::Notice;
 use super::accessor::Accessor;
 use super::entry::{Document, Entry};
@@ -118,6 +118,14 @@ fn steps(scale: [f64; 3], rotation: [f64; 4], translation: [f64; 3]) -> Option<D
 }
 
 impl Contents {
+    /// Whether nothing in the scene emits.
+    pub(super) fn is_dark(&self) -> bool {
+        let is_emitter =
+            |target: &Target| matches!(target, Target::Plugin(plugin) if plugin.class == PluginClass::Emitter);
+        let emits = |shape: &Draft| shape.children.iter().any(|child| is_emitter(&child.target));
+        self.emitters.is_empty() && !self.shapes.iter().any(emits)
+    }
+
     fn add_meshes<'a>(
         &mut self,
         node: &Entry<'a>,

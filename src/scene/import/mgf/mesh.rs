@@ -1,8 +1,8 @@
 //! A triangle mesh that grows, and its binary PLY file.
 
-use std::io::Write;
-
 use glam::{DVec3, Vec3};
+
+use super::super::ply_bytes::ply;
 
 /// Triangles of one material.
 #[derive(Default)]
@@ -35,25 +35,6 @@ impl Mesh {
 
     /// The bytes of a little-endian PLY file.
     pub(super) fn ply(&self) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(400 + 24 * self.positions.len() + 13 * self.triangles.len());
-        let properties: String =
-            ["x", "y", "z", "nx", "ny", "nz"].map(|name| format!("property float {name}\n")).concat();
-        // Writing to memory cannot fail.
-        let _ = write!(
-            bytes,
-            "ply\nformat binary_little_endian 1.0\nelement vertex {}\n{properties}element face {}\n\
-             property list uchar int vertex_indices\nend_header\n",
-            self.positions.len(),
-            self.triangles.len()
-        );
-        for (position, normal) in self.positions.iter().zip(&self.normals) {
-            let numbers = position.to_array().into_iter().chain(normal.to_array());
-            bytes.extend(numbers.flat_map(f32::to_le_bytes));
-        }
-        for triangle in &self.triangles {
-            bytes.push(3);
-            bytes.extend(triangle.iter().flat_map(|index| index.to_le_bytes()));
-        }
-        bytes
+        ply(&self.positions, &self.normals, &self.triangles)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::super::draft::{Draft, DraftChild, Target};
-use super::super::gltf::notices::Notices;
+use super::super::notices::Notices;
 use super::super::report::Notice;
 use super::super::values::shown;
 use super::mesh::Mesh;

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::super::super::error::Location;
-use super::super::report::Notice;
+use super::super::error::Location;
+use super::report::Notice;
 
 /// Notices that differ in their place only are one, so that a big file does not make a long report.
 #[derive(Default)]
