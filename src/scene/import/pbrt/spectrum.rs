@@ -48,7 +48,7 @@ pub(super) fn read(parameter: &Parameter, purpose: Purpose, output: &mut Output<
         ("float" | "integer", _) => [parameter.number()?; 3],
         ("blackbody", _) => {
             let temperature = parameter.number()?;
-            if !(temperature > 0.0) {
+            if temperature.is_nan() || temperature <= 0.0 {
                 return Err(parameter.error(format!("a black body of {temperature} K"), "give a temperature in K"));
             }
             of_luminance_1(to_rgb(|wavelength| black_body(wavelength, temperature)))
