@@ -8,10 +8,13 @@ mod scene_text;
 use std::f64::consts::PI;
 use std::path::Path;
 
+use photonfarm::math::Vec3;
 use photonfarm::math::random::Stream;
 use photonfarm::scene::Scene;
+use photonfarm::scene::geometry::Ray;
 use photonfarm::scene::import::load_file;
 use photonfarm::scene::light::Light;
+use photonfarm::scene::material::{TransportMode, View};
 use photonfarm::transport::photon_tracing::{PhotonSettings, trace_photon};
 use photonfarm::transport::{Counters, Limits};
 use scene_text::prepare;
@@ -146,4 +149,20 @@ fn analytic_near_lights_reach_the_walls() {
         let lit = scene(&format!("{room}{lamp}"));
         assert_flux(&lit, None, expected, &lamp);
     }
+}
+
+/// As in Mitsuba a shape without a bsdf is grey, but black if it emits.
+#[test]
+fn shapes_that_emit_reflect_nothing_unless_told() {
+    let reflected = |parts: &str| {
+        let lit = scene(&format!("<shape type='rectangle'>{parts}</shape><emitter type='constant'/>"));
+        let ray = Ray { origin: Vec3::Z, direction: Vec3::NEG_Z, length: 2.0 };
+        let hit = lit.intersect(&ray).expect("the rectangle is there");
+        let view = View::new(hit.uv, Vec3::Z, TransportMode::Radiance);
+        lit.material(hit.shape).sample(&view, [0.4; 3]).map_or(0.0, |sample| sample.weight.x)
+    };
+    let grey = "<bsdf type='diffuse'/>";
+    assert!((reflected("") - 0.5).abs() < 1e-6);
+    assert!(reflected("<emitter type='area'/>").abs() < 1e-6);
+    assert!((reflected(&format!("<emitter type='area'/>{grey}")) - 0.5).abs() < 1e-6);
 }

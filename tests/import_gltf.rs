@@ -493,3 +493,23 @@ fn packing_takes_buffers_and_images_along() {
     write("alone.glb", &glb);
     assert_eq!(pack(&folder.path().join("alone.glb"), &[]).expect("packs"), glb);
 }
+
+#[test]
+fn a_scene_without_light_gets_white_surroundings() {
+    let emitters = |content: Value| {
+        let scene = load(&GltfFile::with_triangle(content));
+        let emitters: Vec<String> =
+            all(&scene, PluginClass::Emitter).iter().map(|emitter| emitter.plugin.clone()).collect();
+        (emitters, notices(&scene).contains("the missing light is approximated"))
+    };
+    let dark = json!({"nodes": [{"mesh": 0}]});
+    assert_eq!(emitters(dark.clone()), (vec!["constant".to_owned()], true));
+    Scene::prepare(&load(&GltfFile::with_triangle(dark))).unwrap_or_else(|error| panic!("{error}"));
+    let lit = json!({
+        "nodes": [{"mesh": 0}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
+    });
+    assert_eq!(emitters(lit), (vec!["point".to_owned()], false));
+    let scene = load(&with_material(&json!({"emissiveFactor": [1, 1, 1]})));
+    assert!(all(&scene, PluginClass::Emitter).is_empty(), "the triangle itself emits");
+}
