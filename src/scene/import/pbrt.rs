@@ -26,7 +26,7 @@ use super::values::shown;
 use crate::scene::bundle::{Bundle, Files};
 use crate::scene::description::PluginClass;
 use crate::scene::error::{Location, SceneError, nearest_name};
-use attributes::Attributes;
+use attributes::{Attributes, inverse};
 use material::Material;
 use options::{Directive, Options};
 use output::Output;
@@ -286,7 +286,7 @@ impl<'a> Reader<'a> {
             "PixelFilter" => self.options.filter = option,
             "Integrator" => self.options.integrator = option,
             _ => {
-                self.systems.insert("camera".to_owned(), transform.inverse());
+                self.systems.insert("camera".to_owned(), inverse(transform));
                 self.options.camera = option.map(|camera| (camera, transform));
             }
         }

@@ -1,6 +1,6 @@
 //! What is current: transform, material, area light, orientation.
 
-use glam::DMat4;
+use glam::{DAffine3, DMat4};
 
 use super::super::transform;
 use super::super::values::shown;
@@ -120,7 +120,7 @@ impl Attributes {
             }
             "LookAt" => {
                 let [a, b, c, d, e, f, g, h, i] = numbers(tokens, place)?;
-                transform::look_at([a, b, c], [d, e, f], [g, h, i]).map_err(refused)?.inverse()
+                inverse(transform::look_at([a, b, c], [d, e, f], [g, h, i]).map_err(refused)?)
             }
             "Transform" | "ConcatTransform" => {
                 // Column by column.
@@ -136,6 +136,11 @@ impl Attributes {
         self.set_transform(transform);
         Ok(true)
     }
+}
+
+/// The inverse of an affine transform, whose last row is exactly 0 0 0 1.
+pub(super) fn inverse(transform: DMat4) -> DMat4 {
+    DMat4::from(DAffine3::from_mat4(transform).inverse())
 }
 
 /// Numbers, in brackets or not.

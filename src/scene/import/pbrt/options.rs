@@ -4,6 +4,7 @@ use glam::{DMat4, DVec3};
 
 use super::super::draft::Draft;
 use super::super::values::shown;
+use super::attributes::inverse;
 use super::output::{Output, with_integer};
 use super::parameters::Parameters;
 use crate::scene::description::PluginClass;
@@ -230,7 +231,7 @@ fn sensor(
     let radius = parameters.float("lensradius")?.unwrap_or(0.0);
     parameters.pass_over(&["shutteropen", "shutterclose"]);
     output.report_unused("camera \"perspective\"", parameters)?;
-    let inverse = from_world.inverse();
+    let inverse = inverse(from_world);
     if !inverse.is_finite() {
         return Err(SceneError::new(place, "the camera's transform cannot be inverted", "check the lines above it"));
     }
