@@ -91,7 +91,7 @@ fn analytic_first_surfaces_are_as_the_formulas_say() {
         assert!(length < 1.00001 && length > 0.97, "{what}: a normal of length {length}");
     }
     assert!(
-        balls > 200 && walls > 150 && nothing > 300,
+        balls > 200 && walls > 100 && nothing > 500,
         "{balls} of the ball, {walls} of the wall, {nothing} of nothing"
     );
 }

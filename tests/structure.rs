@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use photonfarm::estimate::picture_files;
 use photonfarm::method::METHODS;
 
 /// Layers from the lowest to the highest, each with those that it may import.
@@ -330,6 +331,15 @@ fn structure_references_are_complete() {
         assert!(readme.contains(&format!("`{name}`")), "{name} is missing in the README of the references");
     }
     assert!(scenes >= 7, "only {scenes} references");
+}
+
+#[test]
+fn structure_layers_of_pictures_are_described() {
+    let document = fs::read_to_string(crate_folder().join("docs/REST.md")).expect("docs/REST.md is there");
+    for row in picture_files::LAYERS {
+        let line = format!("| `{}` | `{}`", row.name, row.channels[0]);
+        assert!(document.contains(&line), "docs/REST.md has no row {line}");
+    }
 }
 
 #[test]
