@@ -1,9 +1,13 @@
 //! The API over real HTTP: a coordinator at a free port, workers in this process, and a plain client.
 
+#[path = "support/exr_channels.rs"]
+mod exr_channels;
+
 use std::time::Duration;
 
+use exr_channels::exr_channels;
 use photonfarm::api;
-use photonfarm::estimate::picture_files::decode_exr;
+use photonfarm::estimate::picture_files::{LAYERS, decode_exr};
 use photonfarm::farm::worker::{WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions};
 use reqwest::header;
@@ -11,6 +15,7 @@ use serde_json::{Value, json};
 use tokio_util::sync::{CancellationToken, DropGuard};
 
 const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
+const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth";
 
 /// A coordinator and its workers; all end when this is dropped.
 struct Farm {
@@ -118,7 +123,9 @@ async fn an_unchanged_image_is_not_sent_twice() {
     let id = farm.submit(json!({ "passes": 1 })).await;
     farm.events(&id).await;
     let mut tags = Vec::new();
-    for variant in ["image.png", "image.png?exposure=1.5", "image.exr", "image.exr?layers=radius,photons"] {
+    let variants =
+        ["image.png", "image.png?exposure=1.5", "image.exr", "image.exr?layers=radius,photons", FIRST_SURFACE];
+    for variant in variants {
         let path = format!("/v1/jobs/{id}/{variant}");
         let first = farm.get(&path).await;
         let tag = first.headers()[header::ETAG].to_str().expect("text").to_owned();
@@ -135,7 +142,28 @@ async fn an_unchanged_image_is_not_sent_twice() {
         tags.push(tag);
     }
     tags.dedup();
-    assert_eq!(tags.len(), 4, "every variant has its own tag");
+    assert_eq!(tags.len(), variants.len(), "every variant has its own tag");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn first_surfaces_are_layers_in_any_order() {
+    let farm = Farm::start(1).await;
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    problem(farm.get(&format!("/v1/jobs/none/{FIRST_SURFACE}")).await, 404, "unknown-job").await;
+    farm.events(&id).await;
+    let first = farm.get(&format!("/v1/jobs/{id}/{FIRST_SURFACE}")).await;
+    let tag = first.headers()[header::ETAG].clone();
+    let bytes = first.bytes().await.expect("bytes");
+    let channels = exr_channels(&bytes);
+    let names: Vec<&str> = channels.keys().map(String::as_str).collect();
+    let layers = ["albedo.B", "albedo.G", "albedo.R", "depth.Z", "normal.X", "normal.Y", "normal.Z"];
+    assert_eq!(names, [["B", "G", "R"].as_slice(), layers.as_slice()].concat());
+    // A closed box of side 2, all of one grey.
+    assert!(channels["albedo.G"].iter().all(|albedo| (albedo - 0.8).abs() < 1e-5));
+    assert!(channels["depth.Z"].iter().all(|depth| *depth > 0.1 && *depth < 3.5));
+    let again = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=depth,albedo,normal,depth")).await;
+    assert_eq!(again.headers()[header::ETAG], tag);
+    assert_eq!(again.bytes().await.expect("bytes"), bytes);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -212,7 +240,9 @@ async fn bad_image_options_are_refused() {
     problem(farm.get(&image("image.png?exposure=bright")).await, 400, "bad-query").await;
     problem(farm.get(&image("image.png?exposure=NaN")).await, 422, "bad-request").await;
     problem(farm.get(&image("image.png?brightness=1")).await, 400, "bad-query").await;
-    problem(farm.get(&image("image.exr?layers=depth")).await, 422, "bad-request").await;
+    let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
+    assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
+    assert_eq!(unknown["remedy"], "known layers: radius, photons, albedo, normal, depth");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -235,6 +265,10 @@ async fn the_description_names_every_address() {
         "/v1/workers",
     ];
     assert_eq!(paths, expected);
+    let layers = &description["paths"]["/v1/jobs/{id}/image.exr"]["get"]["parameters"][1];
+    assert_eq!((&layers["name"], &layers["in"]), (&json!("layers"), &json!("query")));
+    let known = layers["description"].as_str().expect("a description");
+    assert!(LAYERS.iter().all(|row| known.contains(row.name) && known.contains(row.meaning)), "{known}");
     assert_eq!(answer(farm.get("/healthz").await).await.1["status"], "ok");
     let page = farm.get("/").await.text().await.expect("a page");
     assert!(page.contains("photonfarm") && !page.contains("https://"), "loads nothing from elsewhere");

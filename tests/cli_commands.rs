@@ -1,10 +1,14 @@
 //! The program as its users meet it: what it prints, where, and with which exit code.
 
+#[path = "support/exr_channels.rs"]
+mod exr_channels;
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
-use photonfarm::estimate::picture_files::{PictureLayers, PictureMetadata, encode_exr, write_file};
+use photonfarm::estimate::picture_files::{LAYERS, PictureMetadata, encode_exr, write_file};
 
 /// A port on which nothing listens: the discard port of this machine.
 const NOBODY: &str = "http://127.0.0.1:9";
@@ -34,7 +38,7 @@ fn failure(output: &Output, code: i32) -> String {
 
 fn write_grey(path: &Path, grey: f32) {
     let picture = Picture { width: 16, height: 16, radiance: vec![[grey; 3]; 256] };
-    let bytes = encode_exr(&picture, &PictureLayers::default(), &PictureMetadata::default()).expect("encodes");
+    let bytes = encode_exr(&picture, &[], &PictureMetadata::default()).expect("encodes");
     write_file(path, &bytes).expect("writes");
 }
 
@@ -50,7 +54,8 @@ fn wrong_usage_is_2() {
     failure(&run(&["render"]), 2);
     failure(&run(&["render", "a.xml", "--set", "alpha"]), 2);
     failure(&run(&["render", "a.xml", "--threads", "0"]), 2);
-    failure(&run(&["render", "a.xml", "--layers", "depth"]), 2);
+    let stderr = failure(&run(&["render", "a.xml", "--layers", "radius,detph"]), 2);
+    assert!(LAYERS.iter().all(|row| stderr.contains(row.name)), "{stderr}");
 }
 
 #[test]
@@ -101,6 +106,23 @@ fn an_unwritable_output_is_told_before_rendering() {
     let stderr = failure(&run(&["render", SCENE, "-o", "no/such/folder/a.exr"]), 5);
     assert!(stderr.contains("no/such/folder/a.exr") && stderr.contains("create the folder"), "{stderr}");
     assert!(failure(&run(&["render", SCENE, "-o", "a.jpg"]), 3).contains(".exr or .png"));
+}
+
+#[test]
+fn layers_become_channels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    let picture = folder.path().join("picture.exr");
+    let output = picture.to_str().expect("UTF-8");
+    let run = run(&["render", &scene, "--passes", "1", "-o", output, "--layers", "albedo,depth", "--layers", "normal"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let channels = exr_channels(&std::fs::read(&picture).expect("a picture"));
+    let names: Vec<&str> = channels.keys().map(String::as_str).collect();
+    let layers = ["albedo.B", "albedo.G", "albedo.R", "depth.Z", "normal.X", "normal.Y", "normal.Z"];
+    assert_eq!(names, [["B", "G", "R"].as_slice(), layers.as_slice()].concat());
+    // The triangle stands at z = 3 in front of the camera, a grey of 0.5.
+    assert!((channels["depth.Z"][4 * 8 + 4] - 3.0).abs() < 0.1);
+    assert_eq!(channels["albedo.G"][4 * 8 + 4], 0.5);
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use axum::Router;
+use photonfarm::estimate::picture_files::LAYERS;
 use photonfarm::estimate::{Shard, Tally};
 use photonfarm::farm::job::{JobRequest, JobState, JobStatus, StopRule};
 use photonfarm::farm::wire::BUILD;
@@ -89,10 +90,10 @@ impl Farm {
     async fn bits(&self, id: &str) -> Vec<u32> {
         let status = self.end(id).await;
         assert_eq!(status.state, JobState::Done, "{status:?}");
-        let (picture, _) = self.handle.picture(id).await.expect("a picture");
-        let layers = self.handle.layers(id).await.expect("layers");
-        let radiance = picture.radiance.iter().flatten();
-        radiance.chain(&layers.radius).chain(&layers.photons).map(|value| value.to_bits()).collect()
+        let layers = LAYERS.map(|row| row.layer);
+        let (picture, layers, _) = self.handle.picture_with_layers(id, &layers).await.expect("a picture");
+        let channels = layers.iter().flat_map(|layer| &layer.channels).flatten();
+        picture.radiance.iter().flatten().chain(channels).map(|value| value.to_bits()).collect()
     }
 }
 

@@ -1,11 +1,15 @@
 //! Picture files: what is written can be read again, is always the same, and never replaces a good file by half a one.
 
+#[path = "support/exr_channels.rs"]
+mod exr_channels;
+
 use std::path::Path;
 
+use exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{
-    PictureFileError, PictureFormat, PictureLayers, PictureMetadata, check_writable, decode_exr, encode_exr,
-    encode_png, read_exr, write_file,
+    LAYERS, Layer, LayerRow, PictureFileError, PictureFormat, PictureLayer, PictureMetadata, UnknownLayer,
+    check_writable, decode_exr, encode_exr, encode_png, read_exr, write_file,
 };
 
 fn picture() -> Picture {
@@ -30,16 +34,31 @@ fn metadata() -> PictureMetadata {
 
 #[test]
 fn exr_keeps_every_bit_and_the_layers() {
-    let layers = PictureLayers { radius: Some(vec![0.5; 37 * 23]), photons: Some(vec![8.0; 37 * 23]) };
+    let values = |row: &LayerRow| (0..row.channels.len()).map(|channel| vec![channel as f32 + 0.5; 37 * 23]).collect();
+    let layers = LAYERS.map(|row| PictureLayer { layer: row.layer, channels: values(&row) });
     let bytes = encode_exr(&picture(), &layers, &metadata()).expect("encodes");
     assert_eq!(decode_exr(&bytes).expect("decodes"), picture());
-    let has = |name: &[u8]| bytes.windows(name.len()).any(|window| window == name);
-    assert!(has(b"radius.Y\0") && has(b"photons.Y\0"));
+    let found = exr_channels(&bytes);
+    assert_eq!(found.len(), 3 + LAYERS.iter().map(|row| row.channels.len()).sum::<usize>());
+    for (index, channel) in LAYERS.iter().flat_map(|row| row.channels.iter().enumerate()) {
+        assert_eq!(found[*channel], vec![index as f32 + 0.5; 37 * 23], "{channel}");
+    }
+}
+
+#[test]
+fn layers_are_found_by_name() {
+    for (index, row) in LAYERS.iter().enumerate() {
+        assert_eq!((row.layer as usize, row.layer.row()), (index, row), "the table has the order of the kinds");
+        assert_eq!(Layer::parse_list(row.name), Ok(vec![row.layer]));
+    }
+    assert_eq!(Layer::parse_list(" depth, radius,,depth"), Ok(vec![Layer::Radius, Layer::Depth]));
+    assert_eq!(Layer::parse_list(""), Ok(Vec::new()));
+    assert_eq!(Layer::parse_list("radius,detph"), Err(UnknownLayer("detph".to_owned())));
 }
 
 #[test]
 fn exr_header_tells_the_job() {
-    let bytes = encode_exr(&picture(), &PictureLayers::default(), &metadata()).expect("encodes");
+    let bytes = encode_exr(&picture(), &[], &metadata()).expect("encodes");
     let header = String::from_utf8_lossy(&bytes[..2000.min(bytes.len())]).into_owned();
     for expected in ["photonfarm.job", "job-1", "sppm", r#"{"alpha":0.7,"note":"gr\u00f6\u00dfer"}"#] {
         assert!(header.contains(expected), "{expected}");
@@ -49,7 +68,7 @@ fn exr_header_tells_the_job() {
 
 #[test]
 fn exr_bytes_are_the_same_every_time() {
-    let encode = || encode_exr(&picture(), &PictureLayers::default(), &metadata()).expect("encodes");
+    let encode = || encode_exr(&picture(), &[], &metadata()).expect("encodes");
     let first = encode();
     // The attributes pass through a hash map with a random order per map.
     assert!((0..20).all(|_| encode() == first));
@@ -57,11 +76,15 @@ fn exr_bytes_are_the_same_every_time() {
 
 #[test]
 fn exr_with_a_wrong_layer_or_no_pixels_is_refused() {
-    let layers = PictureLayers { radius: Some(vec![0.5; 3]), photons: None };
-    let error = encode_exr(&picture(), &layers, &metadata()).expect_err("three radii for 851 pixels");
+    let layer = |layer, channels| [PictureLayer { layer, channels }];
+    let error = encode_exr(&picture(), &layer(Layer::Radius, vec![vec![0.5; 3]]), &metadata());
+    let error = error.expect_err("three radii for 851 pixels");
     assert!(error.to_string().contains("radius.Y"), "{error}");
+    let error = encode_exr(&picture(), &layer(Layer::Normal, vec![vec![0.5; 37 * 23]]), &metadata());
+    let error = error.expect_err("one channel for three");
+    assert!(error.to_string().contains("normal has 1 channels"), "{error}");
     let empty = Picture { width: 0, height: 0, radiance: Vec::new() };
-    encode_exr(&empty, &PictureLayers::default(), &metadata()).expect_err("no pixels");
+    encode_exr(&empty, &[], &metadata()).expect_err("no pixels");
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use photonfarm::estimate::picture_files;
 use photonfarm::method::METHODS;
 
 /// Layers from the lowest to the highest, each with those that it may import.
@@ -32,7 +33,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("zip", &["scene", "cli/scene_file.rs"]),
     ("exr", &["estimate/picture_files", "scene/texture"]),
     ("image", &["estimate/picture_files", "scene/texture"]),
-    ("rayon", &["transport", "method", "farm/worker"]),
+    ("rayon", &["transport", "method", "render", "farm/worker"]),
     ("tokio", &["farm", "api", "cli", "main.rs"]),
     ("axum", &["farm", "api", "cli/local_farm.rs"]),
     ("utoipa", &["farm", "api"]),
@@ -250,10 +251,13 @@ fn structure_scheduling_is_synchronous() {
 
 #[test]
 fn structure_only_workers_trace() {
-    let tracing = sources().into_iter().filter(|file| file.layer() == "farm" && file.code.contains("Renderer"));
-    let violations: Vec<String> =
-        tracing.map(|file| file.path).filter(|path| !path.starts_with("farm/worker")).collect();
-    assert_none(&violations, "the coordinator's side never traces a ray");
+    let farm = sources().into_iter().filter(|file| file.layer() == "farm" && !file.path.starts_with("farm/worker"));
+    // Layers that follow from the scene alone are looked at when someone asks.
+    let traces = |file: &SourceFile| {
+        file.code.contains("Renderer") || file.code.contains("first_surface_layers") && file.path != "farm/layers.rs"
+    };
+    let violations: Vec<String> = farm.filter(traces).map(|file| file.path).collect();
+    assert_none(&violations, "the coordinator's side never traces a path");
 }
 
 #[test]
@@ -327,6 +331,15 @@ fn structure_references_are_complete() {
         assert!(readme.contains(&format!("`{name}`")), "{name} is missing in the README of the references");
     }
     assert!(scenes >= 7, "only {scenes} references");
+}
+
+#[test]
+fn structure_layers_of_pictures_are_described() {
+    let document = fs::read_to_string(crate_folder().join("docs/REST.md")).expect("docs/REST.md is there");
+    for row in picture_files::LAYERS {
+        let line = format!("| `{}` | `{}`", row.name, row.channels[0]);
+        assert!(document.contains(&line), "docs/REST.md has no row {line}");
+    }
 }
 
 #[test]

@@ -4,13 +4,16 @@ use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
-use utoipa::IntoParams;
+use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
+use utoipa::{IntoParams, PartialSchema};
 
 use super::ApiState;
 use super::extract::{PathValue, QueryValues};
 use super::problem::Problem;
 use crate::estimate::Picture;
-use crate::estimate::picture_files::{PictureFileError, PictureLayers, PictureMetadata, encode_exr, encode_png};
+use crate::estimate::picture_files::{
+    LAYERS, Layer, PictureFileError, PictureLayer, PictureMetadata, encode_exr, encode_png,
+};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
 
@@ -25,13 +28,24 @@ pub struct PngQuery {
 }
 
 /// What the EXR holds.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
 pub struct ExrQuery {
-    /// Further channels, separated by commas: `radius` (gather radius, m), `photons` (photons accumulated).
+    /// Names of further layers, separated by commas.
     #[serde(default)]
     pub layers: String,
+}
+
+impl IntoParams for ExrQuery {
+    fn into_params(_place: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
+        let known = LAYERS.map(|row| format!("`{}` ({})", row.name, row.meaning)).join(", ");
+        let layers = ParameterBuilder::new()
+            .name("layers")
+            .parameter_in(ParameterIn::Query)
+            .description(Some(format!("Further layers, separated by commas: {known}.")))
+            .schema(Some(String::schema()));
+        vec![layers.build()]
+    }
 }
 
 /// The picture so far as 8-bit sRGB PNG.
@@ -63,8 +77,9 @@ pub async fn image_png(
         return Ok(unchanged);
     }
     let (picture, status) = state.coordinator.picture(&id).await?;
+    let tag = etag(&status, &variant);
     let bytes = encode(move || encode_png(&picture, query.exposure)).await?;
-    Ok(image("image/png", Some(etag(&status, &variant)), bytes))
+    Ok(image("image/png", &tag, bytes))
 }
 
 /// The picture so far as 32-bit float EXR, linear, with the job in its header.
@@ -85,60 +100,25 @@ pub async fn image_exr(
     QueryValues(query): QueryValues<ExrQuery>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let wanted = WantedLayers::parse(&query.layers)?;
-    let variant = format!("exr{}{}", u8::from(wanted.radius), u8::from(wanted.photons));
+    let wanted = wanted_layers(&query.layers)?;
+    let names: Vec<&str> = wanted.iter().map(|layer| layer.row().name).collect();
+    let variant = format!("exr,{}", names.join(","));
     if let Some(unchanged) = unchanged(&state.coordinator.job(&id)?, &variant, &headers) {
         return Ok(unchanged);
     }
-    let (picture, status) = state.coordinator.picture(&id).await?;
-    let layers = wanted.fetch(&state, &id).await?;
-    // Layers are taken after the picture; when a tally was merged in between they are newer, and the bytes have no name.
-    let same_version = state.coordinator.job(&id)?.picture_version == status.picture_version;
-    let tag = (same_version || wanted.is_none()).then(|| etag(&status, &variant));
+    let (picture, layers, status) = state.coordinator.picture_with_layers(&id, &wanted).await?;
+    let tag = etag(&status, &variant);
     let bytes = encode(move || encode_exr_of(&picture, &layers, &status)).await?;
-    Ok(image("image/x-exr", tag, bytes))
+    Ok(image("image/x-exr", &tag, bytes))
 }
 
-#[derive(Clone, Copy)]
-struct WantedLayers {
-    radius: bool,
-    photons: bool,
+#[expect(clippy::result_large_err, reason = "made at most once a request")]
+fn wanted_layers(list: &str) -> Result<Vec<Layer>, Problem> {
+    Layer::parse_list(list)
+        .map_err(|unknown| Problem::bad_request(unknown.to_string(), format!("known layers: {}", Layer::known())))
 }
 
-impl WantedLayers {
-    #[expect(clippy::result_large_err, reason = "made at most once a request")]
-    fn parse(list: &str) -> Result<Self, Problem> {
-        let mut wanted = Self { radius: false, photons: false };
-        for name in list.split(',').map(str::trim).filter(|name| !name.is_empty()) {
-            match name {
-                "radius" => wanted.radius = true,
-                "photons" => wanted.photons = true,
-                _ => {
-                    let detail = format!("there is no layer \"{name}\"");
-                    return Err(Problem::bad_request(detail, "known layers: radius, photons"));
-                }
-            }
-        }
-        Ok(wanted)
-    }
-
-    fn is_none(self) -> bool {
-        !self.radius && !self.photons
-    }
-
-    async fn fetch(self, state: &ApiState, id: &str) -> Result<PictureLayers, FarmError> {
-        if self.is_none() {
-            return Ok(PictureLayers::default());
-        }
-        let layers = state.coordinator.layers(id).await?;
-        Ok(PictureLayers {
-            radius: self.radius.then_some(layers.radius),
-            photons: self.photons.then_some(layers.photons),
-        })
-    }
-}
-
-fn encode_exr_of(picture: &Picture, layers: &PictureLayers, status: &JobStatus) -> Result<Vec<u8>, PictureFileError> {
+fn encode_exr_of(picture: &Picture, layers: &[PictureLayer], status: &JobStatus) -> Result<Vec<u8>, PictureFileError> {
     let metadata = PictureMetadata {
         job: status.id.clone(),
         method: status.method.clone(),
@@ -180,10 +160,7 @@ fn unchanged(status: &JobStatus, variant: &str, headers: &HeaderMap) -> Option<R
     })
 }
 
-fn image(content_type: &'static str, tag: Option<String>, bytes: Vec<u8>) -> Response {
-    let headers = [(header::CONTENT_TYPE, content_type), (header::CACHE_CONTROL, "no-cache")];
-    match tag {
-        Some(tag) => (headers, [(header::ETAG, tag)], bytes).into_response(),
-        None => (headers, bytes).into_response(),
-    }
+fn image(content_type: &'static str, tag: &str, bytes: Vec<u8>) -> Response {
+    let headers = [(header::CONTENT_TYPE, content_type), (header::CACHE_CONTROL, "no-cache"), (header::ETAG, tag)];
+    (headers, bytes).into_response()
 }

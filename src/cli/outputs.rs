@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::client::Client;
 use super::exit_code::CliError;
-use crate::estimate::picture_files::{PictureFormat, check_writable, write_file};
+use crate::estimate::picture_files::{LAYERS, PictureFormat, check_writable, write_file};
 
 /// How pictures are written.
 #[derive(Clone, Debug, Args)]
@@ -17,8 +18,8 @@ pub(super) struct OutputOptions {
     /// Stops by which PNG files are made brighter.
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     exposure: f32,
-    /// Further channels of EXR files, separated by commas: radius, photons.
-    #[arg(long, value_delimiter = ',', value_parser = ["radius", "photons"])]
+    /// Further layers of EXR files, separated by commas.
+    #[arg(long, value_delimiter = ',', value_parser = layer_names())]
     layers: Vec<String>,
 }
 
@@ -51,6 +52,10 @@ impl OutputOptions {
             PictureFormat::Png => format!("image.png?exposure={}", self.exposure),
         })
     }
+}
+
+fn layer_names() -> PossibleValuesParser {
+    LAYERS.map(|row| PossibleValue::new(row.name).help(row.meaning)).into()
 }
 
 /// `<name>.exr` and `<name>.png` in the current folder. A scene file that is called `scene` has its folder's name.

@@ -13,11 +13,13 @@ use tokio_util::sync::CancellationToken;
 
 use super::error::FarmError;
 use super::job::{JobRequest, JobStatus, StopRule, WorkerStatus};
+use super::layers::SeenFirst;
 use super::merging::Merging;
 use super::request;
 use super::schedule::Schedule;
 use super::wire::lease::JobDescription;
 use crate::estimate::Picture;
+use crate::render::first_surface::FirstSurface;
 use crate::scene::error::SceneError;
 use crate::scene::{Integrator, Scene};
 
@@ -57,19 +59,6 @@ pub struct SceneSummary {
     pub notices: Vec<String>,
 }
 
-/// Per-pixel facts beside the picture, row-major, top row first.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layers {
-    /// Width, pixels.
-    pub width: u32,
-    /// Height, pixels.
-    pub height: u32,
-    /// Gather radius, m.
-    pub radius: Vec<f32>,
-    /// N, accumulated photons.
-    pub photons: Vec<f32>,
-}
-
 /// The door to a running coordinator. Cheap to clone; all clones speak to the same one.
 #[derive(Clone)]
 pub struct CoordinatorHandle {
@@ -100,6 +89,7 @@ struct SceneRecord {
     summary: SceneSummary,
     integrator: Option<Integrator>,
     bytes: Arc<[u8]>,
+    seen_first: SeenFirst,
 }
 
 /// A job beside its schedule.
@@ -197,20 +187,8 @@ impl CoordinatorHandle {
 
     /// The picture as merged so far, and the status that belongs to it.
     pub async fn picture(&self, id: &str) -> Result<(Picture, JobStatus), FarmError> {
-        let (shared, job) = (self.shared.clone(), self.shared.job(id)?);
-        blocking(move || {
-            job.with_merged(|merging| {
-                let status = shared.lock().status(&job, shared.now());
-                (merging.estimate.picture(), status)
-            })
-        })
-        .await
-    }
-
-    /// Radius and photon count per pixel as merged so far.
-    pub async fn layers(&self, id: &str) -> Result<Layers, FarmError> {
-        let job = self.shared.job(id)?;
-        blocking(move || job.with_merged(|merging| layers(&merging.estimate))).await
+        let (picture, _, status) = self.picture_with_layers(id, &[]).await?;
+        Ok((picture, status))
     }
 
     /// Stops a job and keeps its picture. A job that has ended already stays as it is.
@@ -271,6 +249,12 @@ impl Shared {
         self.lock().scenes.get(hash).cloned().ok_or_else(|| FarmError::UnknownScene(hash.to_owned()))
     }
 
+    /// What the pixels of an uploaded scene see first.
+    pub(super) fn first_surface(&self, scene: &str) -> Result<Arc<[FirstSurface]>, FarmError> {
+        let scene = self.scene(scene)?;
+        scene.seen_first.of(&scene.bytes)
+    }
+
     /// The job with this id.
     pub(super) fn job(&self, id: &str) -> Result<Arc<JobRecord>, FarmError> {
         let number = id.strip_prefix("job-").and_then(|number| number.parse().ok()).unwrap_or(0);
@@ -296,8 +280,12 @@ impl Shared {
             notices: scene.notices.clone(),
         };
         tracing::info!(scene = hash, width = summary.width, height = summary.height, "scene added");
-        let record =
-            SceneRecord { summary: summary.clone(), integrator: scene.integrator.clone(), bytes: bytes.into() };
+        let record = SceneRecord {
+            summary: summary.clone(),
+            integrator: scene.integrator.clone(),
+            bytes: bytes.into(),
+            seen_first: SeenFirst::default(),
+        };
         self.lock().scenes.insert(hash, Arc::new(record));
         Ok(summary)
     }
@@ -336,7 +324,7 @@ impl Shared {
 
 impl JobRecord {
     /// Reads the merge state, once something has been merged.
-    fn with_merged<T>(&self, read: impl FnOnce(&Merging) -> T) -> Result<T, FarmError> {
+    pub(super) fn with_merged<T>(&self, read: impl FnOnce(&Merging) -> T) -> Result<T, FarmError> {
         let merging = lock(&self.merging);
         let merged = merging.as_ref().filter(|merging| merging.totals().shards > 0);
         merged.map(read).ok_or_else(|| FarmError::NoPictureYet(self.description.id.clone()))
@@ -347,15 +335,6 @@ impl JobRecord {
 pub(super) fn prepare_scene(bytes: &[u8]) -> Result<Scene, SceneError> {
     let description = crate::scene::import::load_bytes("scene", bytes, &[])?;
     Scene::prepare(&description)
-}
-
-fn layers(estimate: &crate::estimate::Estimate) -> Layers {
-    Layers {
-        width: estimate.width,
-        height: estimate.height,
-        radius: estimate.pixels.iter().map(|pixel| pixel.radius_squared.sqrt() as f32).collect(),
-        photons: estimate.pixels.iter().map(|pixel| pixel.photons as f32).collect(),
-    }
 }
 
 /// Lets time pass until the coordinator is stopped or dropped.

@@ -3,7 +3,8 @@
 //! # One pass, from lease to picture
 //!
 //! 1. A user uploads a scene and submits a job. The [coordinator](CoordinatorHandle) checks both and queues the job in the
-//!    [`schedule`]. It never traces a ray.
+//!    [`schedule`]. It never traces a path; only for [layers](CoordinatorHandle::picture_with_layers) it looks at first
+//!    surfaces.
 //! 2. A [worker](worker) registers over [HTTP](server) and asks for a lease. The first work of a job is its **pilot**:
 //!    first gather radii and the counted cost of a pass. From that follows the [plan](plan), how passes are cut into shards
 //!    and epochs. It depends on the scene and the job alone, never on workers or time.
@@ -29,12 +30,14 @@
 //! | [`schedule`], [`progress`], [`lease`], [`roster`] | who traces what: a state machine without clock, locks or I/O |
 //! | [`merging`] | order of merges, radius fields |
 //! | [`coordinator`], [`request`], [`server`] | the same behind locks, HTTP and a clock |
+//! | `layers` | pictures with further channels |
 //! | [`worker`] | the other end |
 
 pub mod coordinator;
 mod delivery;
 pub mod error;
 pub mod job;
+mod layers;
 pub mod lease;
 pub mod merging;
 pub mod plan;
@@ -47,5 +50,5 @@ mod status;
 pub mod wire;
 pub mod worker;
 
-pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Layers, SceneSummary};
+pub use coordinator::{CoordinatorHandle, CoordinatorOptions, SceneSummary};
 pub use error::FarmError;

@@ -15,6 +15,8 @@ pub enum Stream {
     PilotCamera = 2,
     /// Photon paths of the pilot.
     PilotPhoton = 3,
+    /// Camera rays to the first surface; the path index is the pixel's.
+    FirstSurface = 4,
 }
 
 /// The numbers of one path.

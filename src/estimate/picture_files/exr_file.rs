@@ -9,20 +9,27 @@ use exr::prelude::{
 };
 
 use super::exr_attributes::{attributes, sort_attributes};
-use super::{PictureFileError, PictureLayers, PictureMetadata};
+use super::{PictureFileError, PictureLayer, PictureMetadata};
 use crate::estimate::Picture;
 
 /// Encodes a picture with its origin and any further layers: one part, ZIP-compressed, deterministic.
 pub fn encode_exr(
     picture: &Picture,
-    layers: &PictureLayers,
+    layers: &[PictureLayer],
     metadata: &PictureMetadata,
 ) -> Result<Vec<u8>, PictureFileError> {
     let size = Vec2(picture.width as usize, picture.height as usize);
     let color = |index: usize| picture.radiance.iter().map(|pixel| pixel[index]).collect();
     let mut channels = vec![("R", color(0)), ("G", color(1)), ("B", color(2))];
-    channels.extend(layers.radius.clone().map(|values| ("radius.Y", values)));
-    channels.extend(layers.photons.clone().map(|values| ("photons.Y", values)));
+    for PictureLayer { layer, channels: values } in layers {
+        let row = layer.row();
+        if values.len() != row.channels.len() {
+            let problem =
+                format!("layer {} has {} channels where {} belong", row.name, values.len(), row.channels.len());
+            return Err(PictureFileError::Encode { problem });
+        }
+        channels.extend(row.channels.iter().copied().zip(values.iter().cloned()));
+    }
     if let Some((name, values)) = channels.iter().find(|(_, values)| values.len() != size.area() || values.is_empty()) {
         let problem = format!("channel {name} has {} values for {} × {} pixels", values.len(), size.0, size.1);
         return Err(PictureFileError::Encode { problem });

@@ -6,12 +6,14 @@
 mod atomic_write;
 mod exr_attributes;
 mod exr_file;
+mod layers;
 mod png_file;
 
 use std::path::{Path, PathBuf};
 
 pub use atomic_write::{check_writable, write_file};
 pub use exr_file::{decode_exr, encode_exr, read_exr};
+pub use layers::{LAYERS, Layer, LayerRow, PictureLayer, UnknownLayer};
 pub use png_file::encode_png;
 
 /// Where a picture comes from; written into the header of EXR files.
@@ -31,15 +33,6 @@ pub struct PictureMetadata {
     pub seed: u64,
     /// Hash of the scene.
     pub scene: String,
-}
-
-/// Further numbers per pixel that an EXR file may hold. Row-major, top row first, as many as the picture has pixels.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PictureLayers {
-    /// Gather radius, m; channel `radius.Y`.
-    pub radius: Option<Vec<f32>>,
-    /// N, photons accumulated; channel `photons.Y`.
-    pub photons: Option<Vec<f32>>,
 }
 
 /// A picture file's format, chosen by the file name's extension.
