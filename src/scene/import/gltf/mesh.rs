@@ -150,11 +150,7 @@ impl<'a> Primitive<'a> {
     }
 
     /// A binary PLY of the vertices that `triangles` use, and its bounds.
-    fn ply(
-        &self,
-        triangles: &[[u32; 3]],
-        output: &mut Output,
-    ) -> Result<(Vec<u8>, [DVec3; 2]), SceneError> {
+    fn ply(&self, triangles: &[[u32; 3]], output: &mut Output) -> Result<(Vec<u8>, [DVec3; 2]), SceneError> {
         // Some exporters let many primitives use parts of one long list of vertices.
         let mut vertices = Vec::new();
         let mut places: HashMap<u32, u32> = HashMap::new();

@@ -153,8 +153,7 @@ impl Contents {
                     return Err(node.error(problem, "join meshes, or split the scene"));
                 }
                 let to_world = to_world * *place;
-                let Some(file) = self.files.file(&primitive, material.texture_coordinates, input, output)?
-                else {
+                let Some(file) = self.files.file(&primitive, material.texture_coordinates, input, output)? else {
                     break;
                 };
                 let mut shape = Draft::new(PluginClass::Shape, "ply", &node.location())
