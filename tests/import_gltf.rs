@@ -423,7 +423,7 @@ fn nodes_share_their_mesh() {
     assert!(corner.distance(DVec3::new(-5.0, 0.0, 0.0)) < 1e-12, "{corner}");
     assert_eq!(to_world(shapes[3]), DMat4::IDENTITY, "joints place a skinned mesh");
     assert!(notices(&scene).contains("the skin of a node is ignored"));
-    assert_eq!(scene.bundle.generated().map(|files| files.len()), Some(2));
+    assert_eq!(scene.bundle.generated().map(|files| files.len()), Some(1));
 }
 
 #[test]
