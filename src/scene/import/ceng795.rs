@@ -18,6 +18,7 @@ use super::super::description::PluginClass;
 use super::super::error::{Location, SceneError};
 use super::draft::{Draft, Reading};
 use super::notices::Notices;
+use super::substitution::refuse_defines;
 use super::xml_element::File;
 use camera::Camera;
 use element::Element;
@@ -66,10 +67,7 @@ pub(super) fn read(
     location: &Location,
     defines: &[(String, String)],
 ) -> Result<(Reading, Files), SceneError> {
-    if let Some((name, _)) = defines.first() {
-        let problem = format!("the scene does not use the defined parameter \"{name}\"");
-        return Err(SceneError::new(location, problem, "a scene of this format has no parameters"));
-    }
+    refuse_defines(defines, location, "a scene of this format has no parameters")?;
     let text = File::text(bytes, location)?;
     let document = File::parse(text, location)?;
     let file = File::new(&location.file, text);

@@ -26,6 +26,7 @@ use super::super::error::{Location, SceneError};
 use super::draft::{Draft, Reading};
 use super::notices::Notices;
 use super::report::Notice;
+use super::substitution::refuse_defines;
 use buffers::{Budget, Buffers};
 use entry::Document;
 use material::Materials;
@@ -75,10 +76,7 @@ pub(super) fn read(
     bundle: &Bundle,
     defines: &[(String, String)],
 ) -> Result<(Reading, Files), SceneError> {
-    if let Some((name, _)) = defines.first() {
-        let problem = format!("the scene does not use the defined parameter \"{name}\"");
-        return Err(SceneError::new(location, problem, "a glTF scene has no parameters"));
-    }
+    refuse_defines(defines, location, "a glTF scene has no parameters")?;
     let (text, binary) = container::split(bytes, location)?;
     let document = Document::parse(text, location)?;
     check_version(&document)?;

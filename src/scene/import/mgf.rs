@@ -23,6 +23,7 @@ use glam::{DMat4, DVec3};
 
 use super::draft::{Draft, Reading};
 use super::report::Notice;
+use super::substitution::refuse_defines;
 use super::values::shown;
 use crate::scene::bundle::{Bundle, Files};
 use crate::scene::description::PluginClass;
@@ -72,10 +73,7 @@ pub(super) fn read(
     bundle: &Bundle,
     defines: &[(String, String)],
 ) -> Result<(Reading, Files), SceneError> {
-    if let Some((name, _)) = defines.first() {
-        let problem = format!("the scene does not use the defined parameter \"{name}\"");
-        return Err(SceneError::new(location, problem, "an MGF scene has no parameters: write the value into it"));
-    }
+    refuse_defines(defines, location, "an MGF scene has no parameters: write the value into it")?;
     let mut reader = Reader::new(bundle);
     let text = Rc::new(Text::new(&location.file, bytes));
     reader.text_size = text.size();

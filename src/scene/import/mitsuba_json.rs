@@ -6,6 +6,7 @@ use super::super::description::{Parameter, PluginClass, Value};
 use super::super::error::{Location, SceneError, nearest_name};
 use super::draft::{Draft, DraftChild, Target};
 use super::json_text::Json;
+use super::substitution::refuse_defines;
 use super::values::{self, shown};
 use super::{DEPTH_LIMIT, plugins, transform};
 
@@ -15,10 +16,7 @@ const STEPS: [&str; 5] = ["translate", "rotate", "scale", "look_at", "matrix"];
 
 /// Reads a scene file. JSON has no `$names`, so every define is an error.
 pub(super) fn read(bytes: &[u8], location: &Location, defines: &[(String, String)]) -> Result<Draft, SceneError> {
-    if let Some((name, _)) = defines.first() {
-        let problem = format!("the scene does not use the defined parameter \"{name}\"");
-        return Err(SceneError::new(location, problem, "a JSON scene has no parameters: write the value into it"));
-    }
+    refuse_defines(defines, location, "a JSON scene has no parameters: write the value into it")?;
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let root: Json = serde_json::from_slice(bytes).map_err(|error| {
         let place = Location { line: error.line() as u32, ..location.clone() };

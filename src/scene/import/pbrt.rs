@@ -22,6 +22,7 @@ use std::collections::{BTreeMap, HashMap};
 use glam::DMat4;
 
 use super::draft::{Draft, Reading};
+use super::substitution::refuse_defines;
 use super::values::shown;
 use crate::scene::bundle::{Bundle, Files};
 use crate::scene::description::PluginClass;
@@ -105,10 +106,7 @@ pub(super) fn read(
     bundle: &Bundle,
     defines: &[(String, String)],
 ) -> Result<(Reading, Files), SceneError> {
-    if let Some((name, _)) = defines.first() {
-        let problem = format!("the scene does not use the defined parameter \"{name}\"");
-        return Err(SceneError::new(location, problem, "a pbrt scene has no parameters: write the value into it"));
-    }
+    refuse_defines(defines, location, "a pbrt scene has no parameters: write the value into it")?;
     let mut reader = Reader::new(bundle);
     reader.follow_text(bytes, location)?;
     if reader.attributes.depth() > 0 {

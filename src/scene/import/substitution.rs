@@ -24,6 +24,25 @@ struct Parameter {
     used: bool,
 }
 
+/// Refuses defines for a format without parameters; `remedy` says what to do instead.
+///
+/// # Errors
+/// When anything is defined.
+pub(super) fn refuse_defines(
+    defines: &[(String, String)],
+    location: &Location,
+    remedy: &str,
+) -> Result<(), SceneError> {
+    match defines.first() {
+        Some((name, _)) => Err(unused(name, location, remedy.to_owned())),
+        None => Ok(()),
+    }
+}
+
+fn unused(name: &str, location: &Location, remedy: String) -> SceneError {
+    SceneError::new(location, format!("the scene does not use the defined parameter \"{name}\""), remedy)
+}
+
 impl Parameters {
     /// Starts with the values defined from outside.
     pub(super) fn new(defines: &[(String, String)]) -> Self {
@@ -91,7 +110,7 @@ impl Parameters {
         let names: Vec<&str> =
             self.values.iter().filter(|(_, parameter)| !parameter.defined).map(|(name, _)| name.as_str()).collect();
         let remedy = if names.is_empty() { "do not define it".to_owned() } else { nearest_name(name, &names) };
-        Err(SceneError::new(scene, format!("the scene does not use the defined parameter \"{name}\""), remedy))
+        Err(unused(name, scene, remedy))
     }
 }
 

@@ -69,13 +69,7 @@ impl Conductor {
             Some((eta, k)) => fresnel::conductor(outgoing.z, eta, k),
             None => Rgb::ONE,
         };
-        let direction = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
-        Some(MaterialSample {
-            direction,
-            weight: reflected * self.specular_reflectance.color(view.uv),
-            pdf: 0.0,
-            relative_index: 1.0,
-        })
+        Some(MaterialSample::mirrored(outgoing, reflected * self.specular_reflectance.color(view.uv)))
     }
 
     /// Black: its lobe is specular.

@@ -77,9 +77,7 @@ impl Dielectric {
     }
 
     fn reflection(&self, view: &View) -> MaterialSample {
-        let outgoing = view.outgoing;
-        let direction = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
-        MaterialSample { direction, weight: self.specular_reflectance.color(view.uv), pdf: 0.0, relative_index: 1.0 }
+        MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(view.uv))
     }
 
     fn refraction(&self, view: &View, cosine: f32, relative_index: f32) -> MaterialSample {
