@@ -148,14 +148,17 @@ impl Estimate {
         }
         let start = shard.region.row_start as usize * self.width as usize;
         let pixels = &mut self.pixels[start..start + tally.pixels.len()];
-        let radii = field.radius_squared.iter();
         let inverse_passes = 1.0 / f64::from(shard.passes);
-        for ((pixel, found), used) in pixels.iter_mut().zip(&tally.pixels).zip(radii) {
-            let inverse_used = 1.0 / f64::from(*used);
-            pixel.add(found, inverse_used);
-            if self.rule == RadiusRule::Statistics && found.photons > 0.0 {
-                let density = f64::from(found.photons) * inverse_used * inverse_passes;
-                pixel.shrink_radius(density, shard.passes, self.alpha);
+        let groups = pixels.chunks_mut(LANES).zip(tally.pixels.chunks(LANES)).zip(field.radius_squared.chunks(LANES));
+        for ((pixels, found), used) in groups {
+            let mut densities = [0.0; LANES];
+            for (((pixel, found), used), density) in pixels.iter_mut().zip(found).zip(used).zip(&mut densities) {
+                let inverse_used = 1.0 / f64::from(*used);
+                pixel.add(found, inverse_used);
+                *density = f64::from(found.photons) * inverse_used * inverse_passes;
+            }
+            if self.rule == RadiusRule::Statistics {
+                shrink_radii(pixels, &densities, shard.passes, self.alpha);
             }
         }
         progress.passes += shard.passes;
@@ -193,7 +196,8 @@ impl Estimate {
             let start = progress.region.row_start as usize * self.width as usize;
             let range = start..start + progress.region.pixel_count(self.width);
             let per_pass = 1.0 / f64::from(progress.passes);
-            let per_photon = 1.0 / (std::f64::consts::PI * progress.photons_emitted as f64);
+            // Without photons there is no flux that this could scale.
+            let per_photon = 1.0 / (std::f64::consts::PI * progress.photons_emitted.max(1) as f64);
             for (output, pixel) in radiance[range.clone()].iter_mut().zip(&self.pixels[range]) {
                 for (channel, value) in output.iter_mut().enumerate() {
                     *value = (pixel.radiance[channel] * per_pass + pixel.flux_density[channel] * per_photon) as f32;
@@ -212,25 +216,40 @@ impl PixelEstimate {
             self.flux_density[channel] += f64::from(found.flux[channel]) * inverse_used;
         }
     }
+}
 
-    /// Shrinks the radius by `passes` equal updates that each found `density`·R² photons, `density` > 0 [identity 2].
-    fn shrink_radius(&mut self, density: f64, passes: u32, alpha: f64) {
-        let first = self.photons / (density * self.radius_squared);
-        self.radius_squared *= shrink_product(first, passes, alpha);
-        self.photons = density * self.radius_squared * (first + f64::from(passes));
+/// Pixels that are shrunk together: their chains of products run side by side.
+const LANES: usize = 8;
+
+/// Shrinks the radius of each of at most [`LANES`] pixels by `passes` equal updates that each found `density`·R² photons
+/// [identity 2]. Pixels of density 0 stay as they are.
+fn shrink_radii(pixels: &mut [PixelEstimate], densities: &[f64; LANES], passes: u32, alpha: f64) {
+    let mut first = [0.0; LANES];
+    for ((first, pixel), density) in first.iter_mut().zip(&*pixels).zip(densities) {
+        *first = if *density > 0.0 { pixel.photons / (density * pixel.radius_squared) } else { 0.0 };
+    }
+    let product = shrink_products(&first, passes, alpha);
+    for (lane, pixel) in pixels.iter_mut().enumerate().filter(|(lane, _)| densities[*lane] > 0.0) {
+        pixel.radius_squared *= product[lane];
+        pixel.photons = densities[lane] * pixel.radius_squared * (first[lane] + f64::from(passes));
     }
 }
 
-/// `Π_{j<passes} (first+j+α)/(first+j+1)`, with one division per eight factors.
-fn shrink_product(first: f64, passes: u32, alpha: f64) -> f64 {
-    let mut product = 1.0;
+/// `Π_{j<passes} (first+j+α)/(first+j+1)` for each lane, with one division per eight factors.
+fn shrink_products(first: &[f64; LANES], passes: u32, alpha: f64) -> [f64; LANES] {
+    let mut product = [1.0; LANES];
     for block in (0..passes).step_by(8) {
-        let (mut above, mut below) = (1.0, 1.0);
+        let (mut above, mut below) = ([1.0; LANES], [1.0; LANES]);
         for j in block..passes.min(block + 8) {
-            above *= first + f64::from(j) + alpha;
-            below *= first + f64::from(j) + 1.0;
+            let j = f64::from(j);
+            for lane in 0..LANES {
+                above[lane] *= first[lane] + j + alpha;
+                below[lane] *= first[lane] + j + 1.0;
+            }
         }
-        product *= above / below;
+        for lane in 0..LANES {
+            product[lane] *= above[lane] / below[lane];
+        }
     }
     product
 }

@@ -59,8 +59,8 @@ pub enum TallyError {
         /// The value as text.
         value: String,
     },
-    /// No photon was emitted in a shard that has passes.
-    #[error("tally says that no photon was emitted")]
+    /// Flux was gathered although no photon was emitted.
+    #[error("tally holds flux but says that no photon was emitted")]
     NothingEmitted,
 }
 
@@ -77,7 +77,8 @@ impl Tally {
         if self.pixels.len() != expected {
             return Err(TallyError::WrongSize { expected, found: self.pixels.len() });
         }
-        if self.photons_emitted == 0 {
+        let dark = |pixel: &PixelTally| pixel.photons == 0.0 && pixel.flux == [0.0; 3];
+        if self.photons_emitted == 0 && !self.pixels.iter().all(dark) {
             return Err(TallyError::NothingEmitted);
         }
         if all_possible(&self.pixels) {

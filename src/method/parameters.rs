@@ -1,5 +1,6 @@
-//! Parameters that progressive photon mapping methods share, and how a user's values become checked ones.
+//! How a user's parameters become checked ones, and the parameters that several methods share.
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -100,16 +101,28 @@ pub const HELP: &[ParameterHelp] = &[
     help("samples_per_pixel", "hit points per pixel, fixed for the whole job", "1 to 64", "4"),
 ];
 
-const fn help(name: &'static str, meaning: &'static str, range: &'static str, default: &'static str) -> ParameterHelp {
+/// A row of a method's help.
+pub const fn help(
+    name: &'static str,
+    meaning: &'static str,
+    range: &'static str,
+    default: &'static str,
+) -> ParameterHelp {
     ParameterHelp { name, meaning, range, default }
 }
 
+/// The parameters of a method, with defaults, as users write them.
+pub trait ParameterSet: DeserializeOwned + Serialize + Default {
+    /// Names the first parameter that is out of its range.
+    fn check_ranges(&self) -> Result<(), &'static str>;
+}
+
 /// Reads and checks parameters that a user gave; `known` are the method's.
-pub fn read(
+pub fn read<P: ParameterSet>(
     method: &'static str,
     given: &Map<String, Value>,
     known: &[ParameterHelp],
-) -> Result<ProgressiveParameters, MethodError> {
+) -> Result<P, MethodError> {
     let error = |problem: String, remedy: String| MethodError::Parameter { method, problem, remedy };
     for name in given.keys() {
         if !known.iter().any(|parameter| parameter.name == name) {
@@ -121,15 +134,28 @@ pub fn read(
     let mut all = Map::new();
     for (name, value) in given {
         let alone = Value::Object(Map::from_iter([(name.clone(), value.clone())]));
-        if serde_json::from_value::<ProgressiveParameters>(alone).is_err() {
+        if serde_json::from_value::<P>(alone).is_err() {
             return Err(error(format!("\"{name}\" is {value}"), range_of(name, known)));
         }
         all.insert(name.clone(), value.clone());
     }
-    let parameters: ProgressiveParameters = serde_json::from_value(Value::Object(all))
+    let parameters: P = serde_json::from_value(Value::Object(all))
         .map_err(|source| error(source.to_string(), "see photonfarm methods".to_owned()))?;
-    parameters.check_ranges().map_err(|name| error(format!("\"{name}\" is {}", given[name]), range_of(name, known)))?;
+    parameters.check_ranges().map_err(|name| {
+        let value = given.get(name).map_or("missing".to_owned(), Value::to_string);
+        error(format!("\"{name}\" is {value}"), range_of(name, known))
+    })?;
     Ok(parameters)
+}
+
+/// The choice of `method` with every default of `known` written out.
+pub fn written_out<P: ParameterSet>(method: &str, parameters: P, known: &[ParameterHelp]) -> MethodChoice {
+    let all = serde_json::to_value(parameters).unwrap_or_default();
+    let parameters = known
+        .iter()
+        .filter_map(|parameter| Some((parameter.name.to_owned(), all.get(parameter.name)?.clone())))
+        .collect();
+    MethodChoice { name: method.to_owned(), parameters }
 }
 
 fn range_of(name: &str, known: &[ParameterHelp]) -> String {
@@ -137,63 +163,78 @@ fn range_of(name: &str, known: &[ParameterHelp]) -> String {
     format!("allowed: {range}")
 }
 
-impl ProgressiveParameters {
-    /// Names the first parameter that is out of its range.
+/// The first of `checks` that is not good, as [`ParameterSet::check_ranges`] answers.
+pub fn first_bad(checks: &[(&'static str, bool)]) -> Result<(), &'static str> {
+    checks.iter().find(|(_, good)| !good).map_or(Ok(()), |(name, _)| Err(name))
+}
+
+/// A number of photons, 1 to 2²⁶, or `auto`; `None` for anything else.
+pub fn photon_count(value: &Value) -> Option<Auto<u32>> {
+    match value {
+        Value::String(word) if word == "auto" => Some(Auto::Auto),
+        value => {
+            let count = value.as_u64().filter(|count| (1..=1 << 26).contains(count))?;
+            Some(Auto::Value(count as u32))
+        }
+    }
+}
+
+/// A radius above 0, m, or `auto`; `None` for anything else.
+pub fn radius(value: &Value) -> Option<Auto<f32>> {
+    match value {
+        Value::String(word) if word == "auto" => Some(Auto::Auto),
+        value => {
+            let radius = value.as_f64()? as f32;
+            let squared = radius * radius;
+            (radius > 0.0 && squared.is_normal()).then_some(Auto::Value(radius))
+        }
+    }
+}
+
+/// Whether `max_depth` is -1 or a number of segments.
+pub fn is_depth(max_depth: i64) -> bool {
+    max_depth == -1 || (1..=1 << 31).contains(&max_depth)
+}
+
+/// Limits on path length from checked parameters.
+pub fn limits(max_depth: i64, rr_depth: i64) -> Limits {
+    Limits { max_depth: u32::try_from(max_depth).ok(), rr_depth: u32::try_from(rr_depth).unwrap_or(u32::MAX) }
+}
+
+impl ParameterSet for ProgressiveParameters {
     fn check_ranges(&self) -> Result<(), &'static str> {
-        let checks = [
+        first_bad(&[
             ("alpha", self.alpha > 0.0 && self.alpha < 1.0),
-            ("photons_per_pass", self.photons().is_some()),
-            ("initial_radius", self.first_radius().is_some()),
-            ("max_depth", self.max_depth == -1 || (1..=1 << 31).contains(&self.max_depth)),
+            ("photons_per_pass", photon_count(&self.photons_per_pass).is_some()),
+            ("initial_radius", radius(&self.initial_radius).is_some()),
+            ("max_depth", is_depth(self.max_depth)),
             ("rr_depth", self.rr_depth >= 1),
             ("passes", (1..=1 << 31).contains(&self.passes)),
             ("samples_per_pixel", (1..=64).contains(&self.samples_per_pixel)),
-        ];
-        checks.into_iter().find(|(_, good)| !good).map_or(Ok(()), |(name, _)| Err(name))
+        ])
     }
+}
 
-    fn photons(&self) -> Option<Auto<u32>> {
-        match &self.photons_per_pass {
-            Value::String(word) if word == "auto" => Some(Auto::Auto),
-            value => {
-                let count = value.as_u64().filter(|count| (1..=1 << 26).contains(count))?;
-                Some(Auto::Value(count as u32))
-            }
-        }
-    }
-
+impl ProgressiveParameters {
     /// First gather radius, m.
     pub fn first_radius(&self) -> Option<Auto<f32>> {
-        match &self.initial_radius {
-            Value::String(word) if word == "auto" => Some(Auto::Auto),
-            value => {
-                let radius = value.as_f64()? as f32;
-                let squared = radius * radius;
-                (radius > 0.0 && squared.is_normal()).then_some(Auto::Value(radius))
-            }
-        }
+        radius(&self.initial_radius)
     }
 
     /// Limits on path length.
     pub fn limits(&self) -> Limits {
-        let max_depth = u32::try_from(self.max_depth).ok();
-        Limits { max_depth, rr_depth: u32::try_from(self.rr_depth).unwrap_or(u32::MAX) }
+        limits(self.max_depth, self.rr_depth)
     }
 
     /// The choice with every default written out; `photons_per_pass: auto` becomes a number for `pixels`.
     pub fn checked(mut self, name: &str, known: &[ParameterHelp], pixels: u64) -> CheckedMethod {
-        let photons_per_pass = match self.photons() {
+        let photons_per_pass = match photon_count(&self.photons_per_pass) {
             Some(Auto::Value(count)) => count,
             _ => pixels.clamp(1 << 16, 1 << 20) as u32,
         };
         self.photons_per_pass = photons_per_pass.into();
         let (radius_rule, alpha, passes) = (self.radius_rule, self.alpha, self.passes);
-        let all = serde_json::to_value(self).unwrap_or_default();
-        let parameters = known
-            .iter()
-            .filter_map(|parameter| Some((parameter.name.to_owned(), all.get(parameter.name)?.clone())))
-            .collect();
-        let choice = MethodChoice { name: name.to_owned(), parameters };
+        let choice = written_out(name, self, known);
         CheckedMethod { choice, radius_rule, alpha, photons_per_pass, passes }
     }
 }

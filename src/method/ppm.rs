@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, HELP, ParameterHelp};
+use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
@@ -57,11 +57,12 @@ pub const ENTRY: MethodEntry = MethodEntry {
 };
 
 fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    Ok(parameters::read(NAME, &choice.parameters, PARAMETERS)?.checked(NAME, PARAMETERS, pixels))
+    Ok(parameters::read::<ProgressiveParameters>(NAME, &choice.parameters, PARAMETERS)?
+        .checked(NAME, PARAMETERS, pixels))
 }
 
 fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
+    let parameters: ProgressiveParameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
     let (low, high) = scene.geometry.bounds();
     Ok(Box::new(Ppm {
         samples_per_pixel: parameters.samples_per_pixel,

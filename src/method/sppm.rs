@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, DirectLight, HELP, ParameterHelp};
+use super::parameters::{self, DirectLight, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PILOT_PASS, PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::PixelTally;
@@ -46,11 +46,12 @@ pub const ENTRY: MethodEntry = MethodEntry {
 };
 
 fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    Ok(parameters::read(NAME, &choice.parameters, PARAMETERS)?.checked(NAME, PARAMETERS, pixels))
+    Ok(parameters::read::<ProgressiveParameters>(NAME, &choice.parameters, PARAMETERS)?
+        .checked(NAME, PARAMETERS, pixels))
 }
 
 fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
+    let parameters: ProgressiveParameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
     Ok(Box::new(Sppm { passes: PhotonPasses::new(scene, method, &parameters, seed, true)? }))
 }
 
