@@ -252,7 +252,7 @@ fn pictures_that_cannot_be() {
 #[test]
 fn parameters_that_cannot_be() {
     let cases = [
-        ("path", "{}"),
+        ("pth", "{}"),
         ("spppm", "{}"),
         ("sppm", r#"{"alpha": 0}"#),
         ("sppm", r#"{"alpha": 1}"#),
@@ -272,6 +272,13 @@ fn parameters_that_cannot_be() {
         ("sppm", r#"{"photon_per_pass": 1000}"#),
         ("sppm", r#"{"samples_per_pixel": 4}"#),
         ("ppm", r#"{"samples_per_pixel": 0}"#),
+        ("path", r#"{"light_sampling": "maybe"}"#),
+        ("path", r#"{"alpha": 0.5}"#),
+        ("bdpt", r#"{"strategy": "2"}"#),
+        ("bdpt", r#"{"length": 0}"#),
+        ("bdpm", r#"{"weights": "good"}"#),
+        ("pbdpm", r#"{"alpha": 1.5}"#),
+        ("vcm", r#"{"heuristic": "maximum"}"#),
     ];
     let mut report = String::new();
     for (method, text) in cases {
