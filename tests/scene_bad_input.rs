@@ -74,7 +74,7 @@ fn shapes_that_cannot_be() {
         ),
         (
             "disk that reaches too far",
-            "$<shape type='disk'><transform name='to_world'><scale value='1e18'/></transform></shape>",
+            "$<shape type='disk'><transform name='to_world'><scale x='1.8e19'/></transform></shape>",
         ),
         (
             "instance that reaches too far",
