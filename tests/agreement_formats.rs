@@ -2,8 +2,10 @@
 //! are the same to the last bit, and no tolerance is needed: where they differ, one of the importers means something else.
 
 #[path = "support/gltf_file.rs"]
+#[expect(dead_code, reason = "not every kind of accessor is used")]
 mod gltf_file;
 #[path = "support/progressive.rs"]
+#[expect(dead_code, reason = "the scenes are written down here")]
 mod progressive;
 
 use std::fmt::Write as _;
