@@ -39,7 +39,7 @@ pub(crate) fn formats() -> Result<Vec<Format>, Box<dyn Error>> {
     }
     zip.retain(|sample| sample.files[0].1.starts_with(b"PK"));
     let mut formats = vec![("xml", xml), ("json", json), ("zip", zip)];
-    for name in ["old_xml", "gltf", "glb", "mgf", "pbrt", "ceng795"] {
+    for name in ["files", "old_xml", "gltf", "glb", "mgf", "pbrt", "ceng795"] {
         let folder = root.join("examples/fuzz_importers/corpus").join(name);
         formats.push((name, Sample::of_folder(&folder)?.into_iter().collect()));
     }

@@ -3,8 +3,8 @@
 //! `cargo run --release --example fuzz_importers -- --seconds 60 [FORMAT …]`
 //!
 //! Each case is a scene of the corpus with a few edits (`mutation.rs`), chosen by the number of the case alone. It is read,
-//! written in the native form and prepared, on a stack as small as that of a service's threads. Formats: xml, json, old_xml,
-//! gltf, glb, mgf, pbrt, ceng795, zip; all of them by default.
+//! written in the native form and prepared, on a stack as small as that of a service's threads. Formats: xml, json, zip, files
+//! (meshes, images and luminaires of an XML scene), old_xml, gltf, glb, mgf, pbrt, ceng795; all of them by default.
 //!
 //! What fails is saved as an ordinary scene file in `target/fuzz`: `--replay FILE` runs it again, as does `photonfarm scene
 //! check`. A case that ends the whole process (a full stack, more than 4 GiB) is the one whose format and number stand in

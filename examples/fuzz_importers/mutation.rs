@@ -62,7 +62,8 @@ pub(crate) fn mutate(format: &Format, number: u64) -> Sample {
     let mut sample = format.samples[numbers.below(format.samples.len())].clone();
     for _ in 0..=numbers.below(4) {
         // The scene itself, or any of its files.
-        let file = if numbers.below(3) > 0 { 0 } else { numbers.below(sample.files.len()) };
+        let scene = format.name != "files" && numbers.below(3) > 0;
+        let file = if scene { 0 } else { numbers.below(sample.files.len()) };
         let donors = &format.samples[numbers.below(format.samples.len())].files;
         let donor = &donors[numbers.below(donors.len())].1;
         edit(&mut sample.files[file].1, donor, &mut numbers);
