@@ -78,7 +78,7 @@ impl Default for BidirectionalParameters {
             weights: Weights::Consistent,
             heuristic: Heuristic::Balance,
             max_depth: -1,
-            rr_depth: 4,
+            rr_depth: 3,
             length: "all".into(),
             strategy: "all".into(),
             passes: 256,
@@ -91,7 +91,7 @@ pub const MAX_DEPTH: ParameterHelp =
     help("max_depth", "longest path in segments (2 is direct light)", "1 to 2147483648, -1 for unlimited", "-1");
 /// See [`MAX_DEPTH`].
 pub const RR_DEPTH: ParameterHelp =
-    help("rr_depth", "segments from which Russian roulette may end a subpath", "1 or more", "4");
+    help("rr_depth", "segments from which Russian roulette may end a subpath", "1 or more", "3");
 /// See [`MAX_DEPTH`].
 pub const LENGTH: ParameterHelp = help("length", "only paths of so many segments", "1 to 65535, all", "all");
 /// See [`MAX_DEPTH`].

@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::bidirectional_parameters::BidirectionalParameters;
-use super::parameters::DirectLight;
+use super::parameters::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, Pass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
@@ -28,6 +28,9 @@ use crate::transport::{Counters, Limits};
 
 /// Light subpaths per chunk, which one thread traces.
 const PATHS_PER_CHUNK: u32 = 2048;
+
+/// Of the area in which `sppm` would gather at first: every vertex of a path is merged, so each can do with fewer photons.
+const MERGED_SHARE: f32 = 0.25;
 
 /// A scene and techniques, ready to trace.
 pub struct BidirectionalPasses {
@@ -292,7 +295,11 @@ impl PreparedMethod for BidirectionalPasses {
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
         if self.uses(Techniques::MERGE) {
-            return self.pilot.pilot(cancel);
+            let (mut radii, counters) = self.pilot.pilot(cancel)?;
+            if self.pilot.first_radius == Auto::Auto {
+                radii.iter_mut().for_each(|radius_squared| *radius_squared *= MERGED_SHARE);
+            }
+            return Some((radii, counters));
         }
         // There is no radius to find; a pass tells what passes cost.
         let radii = vec![1.0; self.scene.pixel_count()];

@@ -84,7 +84,9 @@ impl CameraWalk<'_> {
             }
             throughput /= survival;
             let cosine = scattering.direction.dot(hit.geometric_normal).abs();
-            let sums = if sample.is_specular() {
+            let sums = if self.weighting.is_one_ended() {
+                Sums::default()
+            } else if sample.is_specular() {
                 self.weighting.scatter_specular(&sums, cosine)
             } else {
                 let reverse = reverse_pdf(scene, &hit, &view, sample.direction);
@@ -98,6 +100,9 @@ impl CameraWalk<'_> {
 
     #[inline]
     fn arrive(&self, hit: &Interaction, segments: u32, last: &Last) -> Sums {
+        if self.weighting.is_one_ended() {
+            return Sums::default();
+        }
         let cosine = hit.outgoing.dot(hit.geometric_normal).abs();
         if segments > 1 {
             return self.weighting.arrive(&last.sums, hit.distance * hit.distance, cosine);

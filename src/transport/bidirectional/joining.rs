@@ -6,16 +6,16 @@ use super::camera_walk::CameraWalk;
 use super::light_walk::LightWalk;
 use super::selection::Selection;
 use super::stored_vertex::StoredVertex;
-use super::vertex::Vertex;
+use super::vertex::{Vertex, densities};
 use super::weights::{Sums, Weighting};
 use crate::math::random::{PathRandom, dimension};
 use crate::math::{Rgb, Vec2, Vec3, octahedral};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 use crate::scene::material::{Lobes, TransportMode};
-use crate::transport::Counters;
 use crate::transport::direct_light::SHADOW_END;
 use crate::transport::photon_map::{GatherQuery, PhotonMap};
+use crate::transport::{Counters, shading};
 
 /// Whether nothing is between `vertex` and the end of a segment of length `distance` in `direction`.
 #[inline]
@@ -179,6 +179,9 @@ pub fn merge(
         caustics_only: false,
         both_sides: walk.scene.material(hit.shape).lobes().any(Lobes::TRANSMISSIVE),
     };
+    let material = walk.scene.material(hit.shape);
+    let view = shading::view(hit, TransportMode::Radiance);
+    let constant = material.constant_value(&view);
     let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
     map.visit_indices(&query, |index| {
         let light = &records[index];
@@ -187,11 +190,18 @@ pub fn merge(
         }
         photons += 1.0;
         let direction = octahedral::decode(light.direction);
-        let Some(reflected) = camera.reflect(walk.scene, TransportMode::Radiance, direction) else { return };
-        let weight = walk.weighting.merged([&camera.sums, &light.sums], reflected.pdf, acceptance);
+        let incident = hit.frame.to_local(direction);
         // Photons carry their cosine already.
-        let cosine = direction.dot(hit.frame.normal).abs();
-        flux += reflected.value * map.flux(index) * (weight / cosine);
+        let value = match constant {
+            Some(value) if incident.z * view.outgoing.z > 0.0 => value,
+            Some(_) => return,
+            None => material.evaluate(&view, incident),
+        };
+        if value != Rgb::ZERO {
+            let pdf = densities(walk.scene, hit, &view, incident);
+            let weight = walk.weighting.merged([&camera.sums, &light.sums], pdf, acceptance);
+            flux += value * map.flux(index) * weight;
+        }
     });
     (camera.throughput * flux, photons)
 }

@@ -118,6 +118,12 @@ impl Weighting {
         }
     }
 
+    /// Whether only camera subpaths are made: then nothing before their last vertex matters to a weight.
+    #[inline]
+    pub fn is_one_ended(&self) -> bool {
+        !self.techniques.any(Techniques(Techniques::CONNECT.0 | Techniques::CAMERA.0 | Techniques::MERGE.0))
+    }
+
     #[inline]
     fn share(&self, technique: Techniques) -> f32 {
         f32::from(u8::from(self.techniques.any(technique)))
@@ -182,6 +188,9 @@ impl Weighting {
     /// density `prolonged` by area, and whose last vertex it would have scattered back with density `reverse`.
     #[inline]
     fn beyond(&self, sums: &Sums, prolonged: f32, reverse: f32, acceptance: f32) -> f32 {
+        if self.is_one_ended() {
+            return 0.0;
+        }
         let merged = acceptance * self.share(Techniques::MERGE);
         self.raise(prolonged) * (merged + sums.edge + (sums.join + acceptance * sums.merge) * self.raise(reverse))
     }
