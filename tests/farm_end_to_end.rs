@@ -17,6 +17,7 @@ use photonfarm::farm::wire::messages::{
 use photonfarm::farm::wire::result::encode_tally;
 use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, server};
+use photonfarm::method::METHODS;
 use prost::Message;
 use serde_json::json;
 use tokio::task::JoinHandle;
@@ -71,10 +72,18 @@ impl Farm {
     }
 
     async fn submit(&self, rule: &str, stop: StopRule) -> String {
-        let scene = self.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
         let parameters = [("radius_rule".to_owned(), json!(rule)), ("photons_per_pass".to_owned(), json!(3000))];
-        let parameters = serde_json::Map::from_iter(parameters);
-        let request = JobRequest { scene, method: None, parameters, stop, seed: 7 };
+        self.submit_method(None, serde_json::Map::from_iter(parameters), stop).await
+    }
+
+    async fn submit_method(
+        &self,
+        method: Option<&str>,
+        parameters: serde_json::Map<String, serde_json::Value>,
+        stop: StopRule,
+    ) -> String {
+        let scene = self.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
+        let request = JobRequest { scene, method: method.map(str::to_owned), parameters, stop, seed: 7 };
         self.handle.submit(request).await.expect("a good request")
     }
 
@@ -126,6 +135,20 @@ async fn workers_and_threads_do_not_change_the_picture() {
             let id = farm.submit(rule, passes(75)).await;
             assert!(farm.bits(&id).await == expected, "{rule}, {workers} workers, {threads} threads");
         }
+    }
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn every_method_has_the_same_bits_from_one_worker_and_from_four() {
+    for method in METHODS.iter().filter(|method| method.name != "sppm") {
+        let mut pictures = Vec::new();
+        for (workers, threads) in [(1, 1), (4, 1), (1, 2)] {
+            let farm = Farm::start(Duration::from_secs(15)).await;
+            let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), threads)).collect();
+            let id = farm.submit_method(Some(method.name), serde_json::Map::new(), passes(20)).await;
+            pictures.push(farm.bits(&id).await);
+        }
+        assert!(pictures.windows(2).all(|pair| pair[0] == pair[1]), "{}", method.name);
     }
 }
 

@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::exit_code::CliError;
 use super::terminal;
-use crate::estimate::picture_files::read_exr;
-use crate::evaluation::{Metrics, compare};
+use crate::estimate::picture_files::{encode_png, read_exr, write_file};
+use crate::evaluation::{Metrics, compare, signed_difference};
 
 /// Measure how far a picture is from a reference. Both are OpenEXR files of the same size.
 #[derive(Clone, Debug, Args)]
@@ -19,6 +19,12 @@ pub(super) struct Compare {
     /// The reference's standard error per pixel, as an EXR; tells its own part in the error.
     #[arg(long, value_name = "FILE")]
     stderr: Option<PathBuf>,
+    /// Also write where the picture is too bright (red) and too dark (blue), as a PNG.
+    #[arg(long, value_name = "FILE.png")]
+    difference: Option<PathBuf>,
+    /// The difference, relative to the reference, that gets the full color.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.2, requires = "difference")]
+    full: f64,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -31,6 +37,12 @@ impl Compare {
         let standard_error = self.stderr.as_deref().map(read_exr).transpose()?;
         let metrics = compare(&image, &reference, standard_error.as_ref());
         let metrics = metrics.map_err(|error| CliError::BadInput(error.to_string()))?;
+        if !(self.full > 0.0 && self.full.is_finite()) {
+            return Err(CliError::BadInput(format!("--full is {}; give a number above 0", self.full)));
+        }
+        if let Some(path) = &self.difference {
+            write_file(path, &encode_png(&signed_difference(&image, &reference, self.full), 0.0)?)?;
+        }
         let text =
             if self.json { serde_json::to_string_pretty(&metrics).map_err(CliError::failed)? } else { table(&metrics) };
         terminal::result(&text)

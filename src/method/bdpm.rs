@@ -19,7 +19,7 @@
 use std::sync::Arc;
 
 use super::bidirectional_parameters::{
-    BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH, STRATEGY,
+    BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH, SHOW, STRATEGY,
 };
 use super::bidirectional_pass::BidirectionalPasses;
 use super::parameters::help;
@@ -36,6 +36,7 @@ const PARAMETERS: &[ParameterHelp] = &[
     help("camera_hits", "whether photons are connected with the camera", "on, off", "on"),
     HEURISTIC,
     STRATEGY,
+    SHOW,
     MAX_DEPTH,
     RR_DEPTH,
     LENGTH,

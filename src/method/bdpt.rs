@@ -17,7 +17,7 @@
 use std::sync::Arc;
 
 use super::bidirectional_parameters::{
-    BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH, STRATEGY,
+    BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH, SHOW, STRATEGY,
 };
 use super::bidirectional_pass::BidirectionalPasses;
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};

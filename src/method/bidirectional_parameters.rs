@@ -7,7 +7,7 @@ use super::parameters::{self, Auto, ParameterHelp, ParameterSet, first_bad, help
 use super::{CheckedMethod, MethodChoice, MethodError};
 use crate::estimate::RadiusRule;
 use crate::transport::Limits;
-use crate::transport::bidirectional::{Heuristic, Measure, Selection, Techniques, Weighting};
+use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
 
 /// A part of a method that can be left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -59,6 +59,7 @@ pub struct BidirectionalParameters {
     pub rr_depth: i64,
     pub length: Value,
     pub strategy: Value,
+    pub show: Show,
     pub passes: u32,
 }
 
@@ -81,6 +82,7 @@ impl Default for BidirectionalParameters {
             rr_depth: 3,
             length: "all".into(),
             strategy: "all".into(),
+            show: Show::Radiance,
             passes: 256,
         }
     }
@@ -105,6 +107,13 @@ pub const STRATEGY: ParameterHelp = help(
     "only paths of s light and t camera vertices (segments where they are merged), weighted as always",
     "s,t, all",
     "all",
+);
+/// For methods with light subpaths.
+pub const SHOW: ParameterHelp = help(
+    "show",
+    "radiance, or weights: red over green is the mean weight of the paths that a pixel's chosen strategies found",
+    "radiance, weights",
+    "radiance",
 );
 /// For methods that merge.
 pub const PHOTONS: ParameterHelp = help(
@@ -201,7 +210,8 @@ impl BidirectionalParameters {
 
     /// Which paths are counted.
     pub fn selection(&self) -> Selection {
-        Selection { length: length(&self.length).flatten(), strategy: strategy(&self.strategy).flatten() }
+        let (length, strategy) = (length(&self.length).flatten(), strategy(&self.strategy).flatten());
+        Selection { length, strategy, show: self.show }
     }
 
     /// How `techniques` share paths when there are `light_paths` a pass.

@@ -19,8 +19,8 @@ use crate::math::Rgb;
 use crate::math::random::dimension;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
-    CameraWalk, LightWalk, MergeRecord, Selection, StoredVertex, Techniques, Vertex, Weighting, connect, direct_light,
-    merge, merge_records, to_camera,
+    CameraWalk, LightWalk, MergeRecord, Selection, Show, StoredVertex, Techniques, Vertex, Weighting, connect,
+    direct_light, merge, merge_records, to_camera,
 };
 use crate::transport::photon_map::{Grid, Photon, PhotonChunk, PhotonMap};
 use crate::transport::photon_tracing::stored;
@@ -166,7 +166,11 @@ impl BidirectionalPasses {
             if region.contains(&pixel) {
                 let pixel = pixel - region.start;
                 let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
-                splats.push((pixel, seen.radiance * (weight * filter / self.weighting.light_paths)));
+                let scale = match self.selection.show {
+                    Show::Radiance => filter / self.weighting.light_paths,
+                    Show::Weights => 1.0,
+                };
+                splats.push((pixel, self.selection.shown(seen.radiance, weight) * scale));
             }
         });
     }
@@ -257,6 +261,10 @@ impl BidirectionalPasses {
             }
             radiance
         });
+        if self.selection.show == Show::Weights {
+            // Counts of paths are not divided by areas.
+            return add_to_tally(tally, pass, radiance + flux, Rgb::ZERO, photons, counters);
+        }
         add_to_tally(tally, pass, radiance, flux, photons, counters);
     }
 }

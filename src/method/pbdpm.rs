@@ -18,7 +18,7 @@ use std::sync::Arc;
 
 use super::bidirectional_parameters::{
     ALPHA, BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE,
-    RR_DEPTH, STRATEGY,
+    RR_DEPTH, SHOW, STRATEGY,
 };
 use super::bidirectional_pass::BidirectionalPasses;
 use super::parameters::help;
@@ -37,6 +37,7 @@ const PARAMETERS: &[ParameterHelp] = &[
     help("camera_hits", "whether photons are connected with the camera", "on, off", "on"),
     HEURISTIC,
     STRATEGY,
+    SHOW,
     MAX_DEPTH,
     RR_DEPTH,
     LENGTH,

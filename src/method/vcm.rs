@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use super::bidirectional_parameters::{
     ALPHA, BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE,
-    RR_DEPTH, STRATEGY,
+    RR_DEPTH, SHOW, STRATEGY,
 };
 use super::bidirectional_pass::BidirectionalPasses;
 use super::parameters::help;
@@ -34,6 +34,7 @@ const PARAMETERS: &[ParameterHelp] = &[
     INITIAL_RADIUS,
     HEURISTIC,
     STRATEGY,
+    SHOW,
     MAX_DEPTH,
     RR_DEPTH,
     LENGTH,

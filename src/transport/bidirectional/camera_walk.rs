@@ -64,7 +64,9 @@ impl CameraWalk<'_> {
             }
             counters.rays += 1;
             let found = scene.intersect(&ray);
-            radiance += throughput * self.emission(&ray, found.as_ref(), segments, &last, acceptance);
+            if let Some((emitted, weight)) = self.emission(&ray, found.as_ref(), segments, &last, acceptance) {
+                radiance += self.selection.shown(throughput * emitted, weight);
+            }
             let Some(hit) = found else { break };
             let sums = self.arrive(&hit, segments, &last);
             let material = scene.material(hit.shape);
@@ -113,27 +115,34 @@ impl CameraWalk<'_> {
         self.weighting.start_camera(pdf, distance * distance, cosine)
     }
 
-    /// The share of this technique in the radiance that a light sends along the last segment.
+    /// The radiance that a light sends along the last segment, and the weight of finding it by chance.
     #[inline]
-    fn emission(&self, ray: &Ray, hit: Option<&Interaction>, segments: u32, last: &Last, acceptance: f32) -> Rgb {
+    fn emission(
+        &self,
+        ray: &Ray,
+        hit: Option<&Interaction>,
+        segments: u32,
+        last: &Last,
+        acceptance: f32,
+    ) -> Option<(Rgb, f32)> {
         let lights = &self.scene.lights;
         let arriving = match hit {
             Some(hit) => lights.emitted(&self.scene.geometry, ray.origin, hit),
             None => lights.environment(ray.direction),
         };
-        let Some((radiance, sampled)) = arriving else { return Rgb::ZERO };
+        let (radiance, sampled) = arriving?;
         let takes_part = segments == 1 || self.weighting.techniques.any(Techniques::HIT);
         if !takes_part || !self.selection.takes(segments, 0, segments + 1) {
-            return Rgb::ZERO;
+            return None;
         }
         // Lights that are seen directly can be found in no other way.
         if segments == 1 {
-            return radiance;
+            return Some((radiance, 1.0));
         }
         let (sums, emitted) = match hit {
             Some(hit) => (self.arrive(hit, segments, last), lights.emission_pdf(&self.scene.geometry, hit)),
             None => (last.sums, sampled * lights.environment_emission_ratio()),
         };
-        radiance * self.weighting.hit(&sums, last.pdf, sampled, emitted, acceptance)
+        Some((radiance, self.weighting.hit(&sums, last.pdf, sampled, emitted, acceptance)))
     }
 }

@@ -57,7 +57,8 @@ pub fn direct_light(
     if carried == Rgb::ZERO || !is_open(scene, camera, light.direction, light.distance, counters) {
         return Rgb::ZERO;
     }
-    carried * walk.weighting.direct(&camera.sums, reflected.pdf, reflected.cosine, &light, acceptance)
+    let weight = walk.weighting.direct(&camera.sums, reflected.pdf, reflected.cosine, &light, acceptance);
+    walk.selection.shown(carried, weight)
 }
 
 /// Radiance by connecting a camera vertex with the vertex of a light subpath [Veach 1997, 10.3: two light vertices or more].
@@ -91,7 +92,7 @@ pub fn connect(
         distance_squared,
         acceptance,
     );
-    carried * weight
+    walk.selection.shown(carried, weight)
 }
 
 /// A vertex of a light subpath as the camera sees it.
@@ -200,8 +201,8 @@ pub fn merge(
         if value != Rgb::ZERO {
             let pdf = densities(walk.scene, hit, &view, incident);
             let weight = walk.weighting.merged([&camera.sums, &light.sums], pdf, acceptance);
-            flux += value * map.flux(index) * weight;
+            flux += walk.selection.shown(camera.throughput * value * map.flux(index), weight);
         }
     });
-    (camera.throughput * flux, photons)
+    (flux, photons)
 }

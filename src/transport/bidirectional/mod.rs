@@ -27,7 +27,7 @@ pub mod weights;
 pub use camera_walk::CameraWalk;
 pub use joining::{MergeRecord, SeenVertex, connect, direct_light, merge, merge_records, to_camera};
 pub use light_walk::LightWalk;
-pub use selection::Selection;
+pub use selection::{Selection, Show};
 pub use stored_vertex::StoredVertex;
 pub use vertex::Vertex;
 pub use weights::{Heuristic, Measure, Techniques, Weighting};

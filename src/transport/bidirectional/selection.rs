@@ -1,4 +1,6 @@
-//! Looking at a part of all paths.
+//! Looking at a part of all paths, or at their weights.
+
+use crate::math::Rgb;
 
 /// Which paths, and which ways of finding them, are counted. Their weights stay those of all techniques that take part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -7,6 +9,19 @@ pub struct Selection {
     pub length: Option<u32>,
     /// Only these numbers of vertices of the light and of the camera subpath; for merges, of segments.
     pub strategy: Option<[u32; 2]>,
+    /// What the picture shows.
+    pub show: Show,
+}
+
+/// What a path adds to the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Show {
+    /// Its radiance, weighted.
+    #[default]
+    Radiance,
+    /// Its weight in red and 1 in green: red over green is the mean weight of what was found.
+    Weights,
 }
 
 impl Selection {
@@ -18,8 +33,13 @@ impl Selection {
             && self.strategy.is_none_or(|strategy| strategy == [light, camera])
     }
 
-    /// Whether it leaves any path out.
-    pub fn is_partial(&self) -> bool {
-        *self != Self::default()
+    /// What a path shows that was found with `radiance` and `weight`.
+    #[inline]
+    pub fn shown(&self, radiance: Rgb, weight: f32) -> Rgb {
+        match self.show {
+            Show::Radiance => radiance * weight,
+            Show::Weights if radiance == Rgb::ZERO => Rgb::ZERO,
+            Show::Weights => Rgb::new(weight, 1.0, 0.0),
+        }
     }
 }
