@@ -34,6 +34,11 @@ impl PathRandom {
         Self { key: [seed as u32, (seed >> 32) as u32], stream: stream as u32, pass, path }
     }
 
+    /// The numbers of branch `index` (below 2²⁴ - 1) of this path, where it splits. A branch does not split again.
+    pub fn branch(&self, index: u32) -> Self {
+        Self { stream: self.stream & 0xff | (index + 1) << 8, ..*self }
+    }
+
     /// Four numbers in [0, 1), multiples of 2⁻²⁴.
     #[inline]
     pub fn block(&self, block: u32) -> [f32; 4] {

@@ -2,6 +2,7 @@
 //! [`METHODS`].
 
 pub mod parameters;
+pub mod photon_map;
 pub mod photon_pass;
 pub mod ppm;
 pub mod sppm;
@@ -40,7 +41,7 @@ pub struct MethodEntry {
 type PrepareMethod = fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>;
 
 /// All methods; the first is the default.
-pub const METHODS: &[MethodEntry] = &[sppm::ENTRY, ppm::ENTRY];
+pub const METHODS: &[MethodEntry] = &[sppm::ENTRY, ppm::ENTRY, photon_map::ENTRY];
 
 /// A method prepared for one scene, with its parameters and the job's seed. Every function is pure.
 pub trait PreparedMethod: Send + Sync {

@@ -7,11 +7,11 @@
 use wide::{f32x8, i32x8};
 
 use super::photon::SCATTERED;
-use super::{Photon, PhotonMap};
+use super::{Photon, PhotonColumns, PhotonMap};
 use crate::math::{Rgb, Vec3};
 
 /// How far a photon may lie off the tangent plane, in radii.
-const FLATNESS: f32 = 0.25;
+pub(super) const FLATNESS: f32 = 0.25;
 /// The least cosine between the photon's surface normal and the gather point's, in units of the stored bytes (1/127).
 const LEAST_NORMAL_COSINE: f32 = 0.7 * 127.0;
 
@@ -28,7 +28,7 @@ pub struct GatherQuery {
     pub most_segments: u32,
     /// Only photons that nothing but specular surfaces scattered count.
     pub caustics_only: bool,
-    /// Photons on the other side of the surface count too; only [`PhotonMap::visit`] knows this.
+    /// Photons on the other side of the surface count too; [`PhotonMap::gather`] does not know this.
     pub both_sides: bool,
 }
 
@@ -49,7 +49,7 @@ pub struct Gathered {
     pub photons: f32,
 }
 
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 const LANE: i32x8 = i32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
 
 #[derive(Default)]
@@ -72,6 +72,56 @@ fn lanes(column: &[f32], index: usize) -> f32x8 {
 #[inline(always)]
 fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// What a query asks of eight photons at a time.
+pub(super) struct LaneTest {
+    center: [f32x8; 3],
+    normal: [f32x8; 3],
+    segments_mask: i32x8,
+    most_segments: i32x8,
+    both_sides: bool,
+}
+
+/// Eight photons seen from the query's point.
+pub(super) struct LaneView {
+    /// Squared distance, m².
+    pub(super) distance_squared: f32x8,
+    /// Height over the tangent plane, m.
+    pub(super) height: f32x8,
+    /// Set where a photon belongs to the run, faces the right way and is one of those that the query asks for.
+    pub(super) suitable: f32x8,
+}
+
+impl LaneTest {
+    #[inline(always)]
+    pub(super) fn new(query: &GatherQuery, both_sides: bool) -> Self {
+        Self {
+            center: query.position.to_array().map(f32x8::splat),
+            normal: query.normal.to_array().map(f32x8::splat),
+            segments_mask: i32x8::splat(query.segments_mask() as i32),
+            most_segments: i32x8::splat(query.most_segments as i32),
+            both_sides,
+        }
+    }
+
+    /// Looks at the photons from `index` on of a run that ends at `last`.
+    #[inline(always)]
+    pub(super) fn look(&self, photons: &PhotonColumns, index: usize, last: usize) -> LaneView {
+        let offset = [0, 1, 2].map(|axis| lanes(&photons.position[axis], index) - self.center[axis]);
+        let code = i32x8::new(bytemuck::cast(eight(&photons.normal_and_segments, index)));
+        let byte = |shift: i32| f32x8::from_i32x8((code << shift) >> 24);
+        let cosine = dot([byte(24), byte(16), byte(8)], self.normal);
+        let cosine = if self.both_sides { cosine.abs() } else { cosine };
+        let segments: i32x8 = (code >> 24) & self.segments_mask;
+        let in_run = LANE.simd_lt(i32x8::splat((last - index).min(LANES) as i32));
+        let allowed: i32x8 = in_run & !segments.simd_gt(self.most_segments);
+        LaneView {
+            distance_squared: dot(offset, offset),
+            height: dot(offset, self.normal),
+            suitable: cosine.simd_gt(LEAST_NORMAL_COSINE) & bytemuck::cast::<i32x8, f32x8>(allowed),
+        }
+    }
 }
 
 impl PhotonMap {
@@ -102,7 +152,7 @@ impl PhotonMap {
 
     /// Calls `run` with the index range of each run of photons that may count.
     #[inline]
-    fn for_each_run(&self, query: &GatherQuery, mut run: impl FnMut(usize, usize)) {
+    pub(super) fn for_each_run(&self, query: &GatherQuery, mut run: impl FnMut(usize, usize)) {
         let radius = query.radius_squared.sqrt();
         let low = self.grid.coordinates(query.position - radius);
         let high = self.grid.coordinates(query.position + radius);
@@ -119,26 +169,13 @@ impl PhotonMap {
 
     #[inline]
     fn sum_run(&self, first: usize, last: usize, query: &GatherQuery, sums: &mut LaneSums) {
-        let [x, y, z] = &self.photons.position;
-        let center = query.position.to_array().map(f32x8::splat);
-        let normal = query.normal.to_array().map(f32x8::splat);
+        let test = LaneTest::new(query, false);
         let flatness = FLATNESS * query.radius_squared.sqrt();
-        let segments_mask = query.segments_mask() as i32;
-        let most_segments = query.most_segments as i32;
         for index in (first..last).step_by(LANES) {
-            let offset = [lanes(x, index) - center[0], lanes(y, index) - center[1], lanes(z, index) - center[2]];
-            let distance_squared = dot(offset, offset);
-            let height = dot(offset, normal);
-            let code = i32x8::new(bytemuck::cast(eight(&self.photons.normal_and_segments, index)));
-            let byte = |shift: i32| f32x8::from_i32x8((code << shift) >> 24);
-            let cosine = dot([byte(24), byte(16), byte(8)], normal);
-            let segments: i32x8 = (code >> 24) & i32x8::splat(segments_mask);
-            let in_run = LANE.simd_lt(i32x8::splat((last - index).min(LANES) as i32));
-            let allowed: i32x8 = in_run & !segments.simd_gt(i32x8::splat(most_segments));
-            let counts = distance_squared.simd_lt(query.radius_squared)
-                & height.abs().simd_le(flatness)
-                & cosine.simd_gt(LEAST_NORMAL_COSINE)
-                & bytemuck::cast::<i32x8, f32x8>(allowed);
+            let lane = test.look(&self.photons, index, last);
+            let counts = lane.distance_squared.simd_lt(query.radius_squared)
+                & lane.height.abs().simd_le(flatness)
+                & lane.suitable;
             sums.photons += counts & f32x8::ONE;
             for (sum, flux) in sums.flux.iter_mut().zip(&self.photons.flux) {
                 *sum += counts & lanes(flux, index);
@@ -146,7 +183,9 @@ impl PhotonMap {
         }
     }
 
-    fn photon(&self, index: usize) -> Photon {
+    /// A photon by its place in the map's order.
+    #[inline]
+    pub fn photon(&self, index: usize) -> Photon {
         let columns = &self.photons;
         Photon {
             position: [0, 1, 2].map(|axis| columns.position[axis][index]),
