@@ -51,9 +51,9 @@ use crate::scene::Scene;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::direct_light::direct_light;
-use crate::transport::first_radius::RadiusBounds;
+use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{self as maps, Grid, Nearest, Photon, PhotonMap};
+use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Grid, Nearest, Photon, PhotonMap};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits, shading};
 
@@ -79,9 +79,14 @@ const PARAMETERS: &[ParameterHelp] = &[
         "1 to 67108864, auto",
         "auto: one per pixel, 65536 to 1048576",
     ),
-    help("neighbors", "nearest photons in a look-up of the global map", "2 to 65536", "50"),
-    help("caustic_neighbors", "nearest photons in a look-up of the caustic map", "2 to 65536", "50"),
-    help("largest_radius", "largest radius of a look-up, m; gather rays shorter than it go on", "above 0, auto", "auto"),
+    help("neighbors", "nearest photons in a look-up of the global map", "2 to 65536", "20"),
+    help("caustic_neighbors", "nearest photons in a look-up of the caustic map", "2 to 65536", "20"),
+    help(
+        "largest_radius",
+        "largest radius of a look-up, m; gather rays shorter than it go on",
+        "above 0, auto",
+        "auto: half the area that k photons take on average",
+    ),
     help("kernel", "how photons count by their distance", "disc, cone, epanechnikov", "epanechnikov"),
     help("final_gather", "gather rays per camera path; 0 looks at the global map directly", "0 to 1024", "4"),
     help("max_depth", "longest path in segments (2 is direct light)", "1 to 2147483648, -1 for unlimited", "-1"),
@@ -108,8 +113,8 @@ impl Default for Parameters {
     fn default() -> Self {
         Self {
             photons_per_pass: "auto".into(),
-            neighbors: 50,
-            caustic_neighbors: 50,
+            neighbors: 20,
+            caustic_neighbors: 20,
             largest_radius: "auto".into(),
             kernel: Kernel::default(),
             final_gather: 4,
@@ -151,23 +156,41 @@ fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodErro
 fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
     let parameters: Parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
     let scene_radius = scene.geometry.bounding_sphere().1;
-    let estimate = |neighbors: u32| DensityEstimate {
-        neighbors: neighbors as usize,
-        largest_radius_squared: match parameters::radius(&parameters.largest_radius) {
+    let photons_per_pass = method.photons_per_pass;
+    let look_up = |neighbors: u32| {
+        let automatic = largest_radius_squared(scene_radius, neighbors, photons_per_pass);
+        let largest_radius_squared = match parameters::radius(&parameters.largest_radius) {
             Some(Auto::Value(radius)) => radius * radius,
-            _ => RadiusBounds::largest_squared(scene_radius),
-        },
-        kernel: parameters.kernel,
+            _ => automatic,
+        };
+        LookUp {
+            estimate: DensityEstimate {
+                neighbors: neighbors as usize,
+                largest_radius_squared,
+                kernel: parameters.kernel,
+            },
+            first_radius: largest_radius_squared.min(automatic).sqrt(),
+        }
     };
     Ok(Box::new(TwoPasses {
         scene,
         seed,
         limits: parameters::limits(parameters.max_depth, parameters.rr_depth),
-        photons_per_pass: method.photons_per_pass,
-        global: estimate(parameters.neighbors),
-        caustic: estimate(parameters.caustic_neighbors),
+        photons_per_pass,
+        global: look_up(parameters.neighbors),
+        caustic: look_up(parameters.caustic_neighbors),
         gather_rays: parameters.final_gather,
     }))
+}
+
+/// The largest r² where the user named none, m²: half the area that `neighbors` photons would have on the scene's bounding
+/// sphere, at most 5 % of its radius. Surfaces are smaller than that sphere, so that at mean brightness about k photons are found.
+/// Larger discs in the dark would find more, but blur more, and bring light over edges that the bright side keeps.
+fn largest_radius_squared(scene_radius: f32, neighbors: u32, photons_per_pass: u32) -> f32 {
+    // Two or three photons are stored per emitted one in a closed room.
+    let bounds = RadiusBounds::new(scene_radius, 2 * photons_per_pass as usize);
+    let mean = bounds.guess * (neighbors as f32 / FIRST_GATHER_PHOTONS);
+    (0.5 * mean).clamp(f32::MIN_POSITIVE, RadiusBounds::largest_squared(scene_radius))
 }
 
 /// A scene and the method's parameters.
@@ -176,9 +199,16 @@ struct TwoPasses {
     seed: u64,
     limits: Limits,
     photons_per_pass: u32,
-    global: DensityEstimate,
-    caustic: DensityEstimate,
+    global: LookUp,
+    caustic: LookUp,
     gather_rays: u32,
+}
+
+/// How a map is looked at.
+struct LookUp {
+    estimate: DensityEstimate,
+    /// What a search starts with, m; sizes the map's cells.
+    first_radius: f32,
 }
 
 /// The photons of a pass.
@@ -215,10 +245,9 @@ impl TwoPasses {
         Some((Maps { global, caustic }, counters))
     }
 
-    /// Cells for look-ups: a search starts with the size of one.
-    fn grid(&self, estimate: &DensityEstimate) -> Grid {
+    fn grid(&self, look_up: &LookUp) -> Grid {
         let (low, high) = self.scene.geometry.bounds();
-        let cell = 0.5 * estimate.largest_radius_squared.sqrt();
+        let cell = look_up.first_radius / FIRST_SEARCH_CELLS;
         Grid::new(low, high, cell, 4 * u64::from(self.photons_per_pass).max(1 << 14))
     }
 
@@ -265,12 +294,20 @@ impl Gathering<'_> {
         let TwoPasses { scene, limits, .. } = self.method;
         let ray = scene.camera_ray(pixel, random.block(dimension::CAMERA));
         let mut seen = Rgb::ZERO;
-        trace_camera_path(scene, CameraWalk::new(ray, true), random, limits, &mut seen, counters, |at, seen, counters| {
-            *seen += self.direct_and_caustic(at, random, counters);
-            if !at.goes_on {
-                *seen += self.indirect(at, random, counters);
-            }
-        });
+        trace_camera_path(
+            scene,
+            CameraWalk::new(ray, true),
+            random,
+            limits,
+            &mut seen,
+            counters,
+            |at, seen, counters| {
+                *seen += self.direct_and_caustic(at, random, counters);
+                if !at.goes_on {
+                    *seen += self.indirect(at, random, counters);
+                }
+            },
+        );
         seen
     }
 
@@ -308,7 +345,7 @@ impl Gathering<'_> {
         }
         let mut seen = Rgb::ZERO;
         trace_camera_path(scene, walk, random, limits, &mut seen, counters, |at, seen, counters| {
-            let is_near = at.hit.position.distance_squared(from.hit.position) < global.largest_radius_squared;
+            let is_near = at.hit.position.distance_squared(from.hit.position) < global.estimate.largest_radius_squared;
             if at.goes_on || is_near {
                 *seen += self.direct_and_caustic(at, random, counters);
             }
@@ -323,13 +360,13 @@ impl Gathering<'_> {
     }
 
     /// Radiance that the point's lobes reflect of the photons in `map`.
-    fn look_up(&mut self, estimate: &DensityEstimate, map: &PhotonMap, at: &GatherPoint) -> Rgb {
+    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap, at: &GatherPoint) -> Rgb {
         let TwoPasses { scene, limits, photons_per_pass, .. } = self.method;
         if map.is_empty() {
             return Rgb::ZERO;
         }
         let most_segments = limits.most_photon_segments(at.segments);
-        estimate.reflected(scene, map, at, most_segments, &mut self.found) / *photons_per_pass as f32
+        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found) / *photons_per_pass as f32
     }
 }
 
@@ -343,11 +380,9 @@ impl PreparedMethod for TwoPasses {
         let count = self.scene.pixel_count();
         // No pixel has a radius; 1 stands for it.
         let radii = vec![1.0; count];
-        let pass =
-            Pass { index: PILOT_PASS, region, radius_squared: &radii, scale: 1.0, typical_radius_squared: 1.0 };
+        let pass = Pass { index: PILOT_PASS, region, radius_squared: &radii, scale: 1.0, typical_radius_squared: 1.0 };
         let mut nobody_looks = vec![PixelTally::default(); count];
-        let mut counters =
-            self.trace([Stream::PilotPhoton, Stream::PilotCamera], &pass, &mut nobody_looks, cancel)?;
+        let mut counters = self.trace([Stream::PilotPhoton, Stream::PilotCamera], &pass, &mut nobody_looks, cancel)?;
         counters.rays += count as u64 * (1 + u64::from(self.gather_rays)) * RAYS_PER_LOOKUP;
         Some((radii, counters))
     }

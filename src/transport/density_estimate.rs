@@ -54,9 +54,8 @@ impl DensityEstimate {
         let mut sum = Rgb::ZERO;
         for (distance_squared, index) in found.photons() {
             let photon = map.photon(index);
-            let value = constant.unwrap_or_else(|| {
-                material.evaluate(&view, hit.frame.to_local(octahedral::decode(photon.direction)))
-            });
+            let value = constant
+                .unwrap_or_else(|| material.evaluate(&view, hit.frame.to_local(octahedral::decode(photon.direction))));
             let weight = self.kernel.weight(distance_squared * inverse_radius_squared);
             sum += value * Rgb::from_array(photon.flux) * weight;
         }

@@ -108,7 +108,9 @@ impl LaneTest {
     /// Looks at the photons from `index` on of a run that ends at `last`.
     #[inline(always)]
     pub(super) fn look(&self, photons: &PhotonColumns, index: usize, last: usize) -> LaneView {
-        let offset = [0, 1, 2].map(|axis| lanes(&photons.position[axis], index) - self.center[axis]);
+        let [x, y, z] = &photons.position;
+        let center = &self.center;
+        let offset = [lanes(x, index) - center[0], lanes(y, index) - center[1], lanes(z, index) - center[2]];
         let code = i32x8::new(bytemuck::cast(eight(&photons.normal_and_segments, index)));
         let byte = |shift: i32| f32x8::from_i32x8((code << shift) >> 24);
         let cosine = dot([byte(24), byte(16), byte(8)], self.normal);
@@ -186,12 +188,13 @@ impl PhotonMap {
     /// A photon by its place in the map's order.
     #[inline]
     pub fn photon(&self, index: usize) -> Photon {
-        let columns = &self.photons;
+        let PhotonColumns { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction } =
+            &self.photons;
         Photon {
-            position: [0, 1, 2].map(|axis| columns.position[axis][index]),
-            direction: columns.direction[index],
-            normal_and_segments: columns.normal_and_segments[index],
-            flux: [0, 1, 2].map(|channel| columns.flux[channel][index]),
+            position: [x[index], y[index], z[index]],
+            direction: direction[index],
+            normal_and_segments: normal_and_segments[index],
+            flux: [red[index], green[index], blue[index]],
         }
     }
 }

@@ -12,7 +12,7 @@ mod photon;
 pub use build::{PhotonChunk, trace};
 pub use gather::{GatherQuery, Gathered};
 pub use grid::Grid;
-pub use nearest::Nearest;
+pub use nearest::{FIRST_SEARCH_CELLS, Nearest};
 pub use photon::{Photon, PhotonColumns};
 
 /// The photons of one pass.

@@ -10,6 +10,9 @@
 use super::gather::{FLATNESS, GatherQuery, LANES, LaneTest};
 use super::{PhotonColumns, PhotonMap};
 
+/// The radius that a search starts with, in cells; it doubles until enough photons are found.
+pub const FIRST_SEARCH_CELLS: f32 = 2.0;
+
 /// What [`PhotonMap::nearest`] found; kept between queries, it spares an allocation each.
 #[derive(Debug, Default)]
 pub struct Nearest {
@@ -63,7 +66,7 @@ impl PhotonMap {
     /// its radius where these are fewer.
     pub fn nearest(&self, query: &GatherQuery, count: usize, found: &mut Nearest) {
         let test = LaneTest::new(query, query.both_sides);
-        let mut radius = self.grid.cell_side();
+        let mut radius = FIRST_SEARCH_CELLS * self.grid.cell_side();
         loop {
             let radius_squared = (radius * radius).min(query.radius_squared);
             found.keys.clear();
