@@ -13,6 +13,7 @@ use photonfarm::estimate::{Estimate, Picture, PixelTally, RadiusField, Region, S
 use photonfarm::evaluation::{Metrics, compare};
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Rgb, Vec3, octahedral, warp};
+use photonfarm::method::{MethodChoice, check};
 use photonfarm::scene::Scene;
 use photonfarm::transport::kernel::Kernel;
 use photonfarm::transport::photon_map::{GatherQuery, Grid, Nearest, Photon, PhotonChunk, PhotonMap};
@@ -183,7 +184,6 @@ fn analytic_bounces_in_a_sphere() {
                 format!(r#"{{"photons_per_pass": 50000, "max_depth": {max_depth}, "final_gather": {rays}}}"#);
             let mean = mean(&Job::new(&scene, "photon_map", &parameters).run(12, 8));
             let expected = direct * bounces;
-            println!("{max_depth} segments, {rays} rays: {:+.3} %", 100.0 * (mean / expected - 1.0));
             let bound = 0.005 * expected;
             assert!((mean - expected).abs() <= bound, "{max_depth} segments, {rays} rays: {mean} is not {expected}");
         }
@@ -210,7 +210,6 @@ fn check_reference(name: &str, parameters: &str, passes: u32, bias_bound: f64, r
     let scene = reference_scene(name);
     let estimate = Job::new(&scene, "photon_map", parameters).run(passes, 8);
     let found = metrics(name, &scene, &estimate);
-    println!("{name} {parameters}: {:+.3} %, relMSE {:.5}", 100.0 * found.bias, found.relmse);
     assert_eq!(estimate.non_finite, 0);
     assert!(found.bias.abs() < bias_bound, "{name}: mean off by {:.2} %", 100.0 * found.bias);
     assert!(found.relmse < relmse_bound, "{name}: relMSE {}", found.relmse);
@@ -294,4 +293,28 @@ fn agreement_photon_map_of_threads_and_regions() {
     assert!(bits(&whole.pixels[pixels]) == bits(&trace(band, 2).pixels), "regions change the picture");
     let radiance_only = |pixel: &PixelTally| pixel.flux == [0.0; 3] && pixel.photons == 0.0;
     assert!(whole.pixels.iter().all(radiance_only));
+}
+
+#[test]
+fn photon_map_parameters_that_cannot_be() {
+    let refused = [
+        (r#"{"neighbors": 1}"#, "\"neighbors\" is 1; allowed: 2 to 65536"),
+        (r#"{"caustic_neighbors": 70000}"#, "\"caustic_neighbors\" is 70000; allowed: 2 to 65536"),
+        (r#"{"largest_radius": 0}"#, "\"largest_radius\" is 0; allowed: above 0, auto"),
+        (r#"{"kernel": "gauss"}"#, "\"kernel\" is \"gauss\"; allowed: disc, cone, epanechnikov"),
+        (r#"{"final_gather": 1025}"#, "\"final_gather\" is 1025; allowed: 0 to 1024"),
+        (r#"{"final_gather": -1}"#, "\"final_gather\" is -1; allowed: 0 to 1024"),
+        (r#"{"neighbours": 20}"#, "there is no parameter \"neighbours\"; did you mean \"neighbors\"?"),
+        (r#"{"alpha": 0.5}"#, "there is no parameter \"alpha\""),
+    ];
+    for (parameters, expected) in refused {
+        let parameters = serde_json::from_str(parameters).expect("an object");
+        let choice = MethodChoice { name: "photon_map".to_owned(), parameters };
+        let message = check(&choice, 100).expect_err("refused").to_string();
+        assert!(message.starts_with(&format!("method \"photon_map\": {expected}")), "{message}");
+    }
+    let choice = MethodChoice { name: "photon_map".to_owned(), parameters: serde_json::Map::new() };
+    let checked = check(&choice, 100_000).expect("defaults are good");
+    assert_eq!(checked.photons_per_pass, 100_000);
+    assert_eq!(check(&checked.choice, 5), Ok(checked), "a written-out choice means the same for another size");
 }

@@ -1,38 +1,39 @@
-//! `photon_map`: Jensen's two passes. Every pass of the job first traces photons into a global map and a caustic map of its
-//! own, then follows one camera path per pixel through specular and narrow glossy lobes to the first wide one. There direct light is
-//! sampled, caustics are read from the caustic map, and soft indirect light is gathered: rays sampled from the BSDF look up
-//! the radiance that the global map estimates where they end. Passes have independent maps and are averaged.
+//! `photon_map`: Jensen's two passes. Every pass of the job first traces photons into a global map and a caustic map of
+//! its own, then follows one camera path per pixel through specular and narrow glossy lobes to the first wide one. There
+//! direct light is sampled, caustics are read from the caustic map, and soft indirect light is gathered: rays sampled
+//! from the BSDF look up the radiance that the global map estimates where they end. Passes are averaged.
 //!
-//! References: [J96] Jensen 1996, "Global illumination using photon maps"; [A] "Analysis of the photon map", a thesis, sections
-//! 2.5 (estimate and caustic map), 4.3 (local pass) and 4.4 (multiple maps); [B] "Bidirectional photon mapping", a thesis,
-//! section 1.6, eq. 1.12, and its account of Jensen's heuristic.
+//! References: [J96] Jensen 1996, "Global illumination using photon maps"; [Wa99] Wald 1999, "Photorealistic rendering
+//! using the photon map", sections 2.5 (estimate, caustic map), 4.3 (local pass), 4.4 (multiple maps); [Vo11] Vorba 2011,
+//! "Bidirectional photon mapping", section 1.6 with eq. 1.12.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|
-//! | L(x, ωo) | `DensityEstimate::reflected` over `photons_per_pass` [B 1.12] | W·sr⁻¹·m⁻² |
-//! | N photons in the estimate | `neighbors`, `caustic_neighbors` (k; the k-th gives r and does not count) | – |
+//! | L(x, ωo) | `DensityEstimate::reflected` over `photons_per_pass` [Vo11, eq. 1.12] | W·sr⁻¹·m⁻² |
+//! | k, N in the sources | `neighbors`, `caustic_neighbors`; the k-th photon gives r and does not count | – |
 //! | r | distance of the k-th photon, at most `largest_radius` | m |
 //! | Φ_p | photon flux, `Le·cos/pdf` | W |
 //!
-//! Paths, from light to eye: L light, E eye, S specular, G a narrow glossy lobe, D a wide lobe. X is the vertex where a
-//! part is computed, D or G, and `…` = (S|G)*. Every path belongs to one part:
+//! Paths, from the light L to the eye E: S specular, G a narrow glossy lobe, D a wide lobe. X is the D or G next to the
+//! light, and `…` stands for (S|G)*. Every path belongs to one part:
 //!
 //! | part | paths |
 //! |---|---|
-//! | emission seen | L S* E; L G … E where the light is hit by chance, its weight shared with direct light |
-//! | direct light | L X … E |
-//! | caustic map | L S+ X … E |
-//! | final gather | L (S\|G\|D)* D S* D … E and L (S\|G\|D)* (D\|G) … D … E: all that some D or G scatters before the gathering D |
+//! | emission seen | L S* E |
+//! | direct light at X | L X … E; at a G the camera path may find it by chance too, and both share its weight |
+//! | caustic map at X | L S+ X … E |
+//! | final gather | L S* X (S\|G\|D)* D … E: a D lies between X and the eye; the one next to the eye gathers |
 //!
-//! A gather ray that meets S or G goes on. At a G it collects direct light and caustics (L S* G … D … E), at the first D the
-//! global map's radiance (L (S|G|D)* D … D … E); that map holds all photons, first hits too. Emission that it meets before
-//! either is not counted: at the gathering D that is direct light or a caustic. A ray that ends within `largest_radius` of where
-//! it began would see photons of its own corner blurred across it; there it does what the camera path does at its D: direct
-//! light, caustics, and one gather ray. With `final_gather: 0` the map is looked at directly, without caustic photons and first hits.
+//! A gather ray goes on at S and G. At a G it takes direct light and caustics (L S* G … D … E), and at the first D′ it
+//! ends with the radiance that the global map estimates (L (S|G|D)* D′ … D … E): that map holds all photons, first hits
+//! too. Emission that it meets before any G does not count: at the gathering D that is direct light or a caustic. A ray
+//! that ends within `largest_radius` of where it began would see its own corner blurred across the edge; there D′ does as
+//! D did [J96]: direct light, caustics, and one more gather ray. With `final_gather: 0` the D looks at the global map
+//! itself, for photons that some D or G scattered.
 //!
-//! Limits: the estimate is wrong where density changes within r: dark towards edges and corners, light that leaks below walls, blurred
-//! caustics. Averaging passes removes noise, never this; it falls with r, as √(k/photons_per_pass). Progressive methods exist for that
-//! reason. Memory: 32 bytes per stored photon and again for each that is a caustic.
+//! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
+//! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
+//! falls as √(k/photons_per_pass). Memory: 32 bytes per stored photon, and again for each caustic one.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -183,9 +184,9 @@ fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<d
     }))
 }
 
-/// The largest r² where the user named none, m²: half the area that `neighbors` photons would have on the scene's bounding
-/// sphere, at most 5 % of its radius. Surfaces are smaller than that sphere, so that at mean brightness about k photons are found.
-/// Larger discs in the dark would find more, but blur more, and bring light over edges that the bright side keeps.
+/// The largest r² where the user named none, m²: half the area that `neighbors` photons would have on the scene's
+/// bounding sphere, at most 5 % of its radius. Surfaces are smaller than that sphere, so at mean brightness about k are
+/// found. Larger discs would find more in the dark, but blur it, and bring more light over edges than they take.
 fn largest_radius_squared(scene_radius: f32, neighbors: u32, photons_per_pass: u32) -> f32 {
     // Two or three photons are stored per emitted one in a closed room.
     let bounds = RadiusBounds::new(scene_radius, 2 * photons_per_pass as usize);

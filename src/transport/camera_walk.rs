@@ -91,8 +91,8 @@ impl CameraWalk {
         }
     }
 
-    /// A path that leaves `point` by `scattering` to gather indirect light there. Emission that it sees before a lobe with
-    /// a density scatters it again is direct light at `point`, or a caustic: it does not count.
+    /// A path that leaves `point` by `scattering` to gather indirect light there. Emission that it sees before a lobe
+    /// with a density scatters it again is direct light at `point`, or a caustic: it does not count.
     pub fn gathering(point: &GatherPoint, scattering: &Scattering) -> Self {
         Self {
             ray: point.hit.ray_to(scattering.direction),

@@ -4,9 +4,9 @@
 //! |---|---|---|
 //! | disc | 1 | the least noise for its radius |
 //! | cone | 3·(1 − t) | sharper caustics [Jensen 1996]; his filter constant k is 1 |
-//! | Epanechnikov | 2·(1 − t²) | the least squared error of all kernels where the density is smooth [Silverman 1986, 4.2.1] |
+//! | Epanechnikov | 2·(1 − t²) | the least squared error where the density is smooth [Silverman 1986, 4.2.1] |
 //!
-//! Each has mean 1 over the disc, `∫₀¹ K(t)·2t dt = 1`, so that an estimate is `Σ K(t)·flux/(π·radius²)` with all of them.
+//! Each has mean 1 over the disc, `∫₀¹ K(t)·2t dt = 1`: an estimate is `Σ K(t)·flux/(π·radius²)` with all of them.
 
 use serde::{Deserialize, Serialize};
 

@@ -4,8 +4,8 @@
 //! height over the tangent plane in units of the disc's thickness, whichever is larger.
 //!
 //! With `r` the distance of the k-th photon, the k − 1 nearer ones over `π·r²` estimate a density without bias where it is
-//! uniform; k of them would give k/(k − 1) times too much. Where fewer than k lie within the largest radius, all of them over its
-//! disc do, and so does the mixture of both cases.
+//! uniform; k of them would give k/(k − 1) times too much. Where fewer than k lie within the largest radius, all of them
+//! over its disc do, and so does the mixture of both cases.
 
 use super::gather::{FLATNESS, GatherQuery, LANES, LaneTest};
 use super::{PhotonColumns, PhotonMap};
