@@ -1,11 +1,19 @@
 //! Methods: algorithms that turn a prepared scene into estimates. One self-contained file per method and one row in
 //! [`METHODS`].
 
+pub mod bdpm;
+pub mod bdpt;
+pub mod bidirectional_parameters;
+pub mod bidirectional_pass;
+pub mod light_tracing;
 pub mod parameters;
+pub mod path;
+pub mod pbdpm;
 pub mod photon_map;
 pub mod photon_pass;
 pub mod ppm;
 pub mod sppm;
+pub mod vcm;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -41,7 +49,17 @@ pub struct MethodEntry {
 type PrepareMethod = fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>;
 
 /// All methods; the first is the default.
-pub const METHODS: &[MethodEntry] = &[sppm::ENTRY, ppm::ENTRY, photon_map::ENTRY];
+pub const METHODS: &[MethodEntry] = &[
+    sppm::ENTRY,
+    ppm::ENTRY,
+    path::ENTRY,
+    bdpt::ENTRY,
+    light_tracing::ENTRY,
+    photon_map::ENTRY,
+    bdpm::ENTRY,
+    pbdpm::ENTRY,
+    vcm::ENTRY,
+];
 
 /// A method prepared for one scene, with its parameters and the job's seed. Every function is pure.
 pub trait PreparedMethod: Send + Sync {

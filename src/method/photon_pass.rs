@@ -1,16 +1,18 @@
 //! What `sppm` and `ppm` share: the photons of a pass, the gather, and the pilot.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
 
 use super::parameters::{Auto, DirectLight, ProgressiveParameters};
 use super::{CheckedMethod, MethodError, Pass};
 use crate::estimate::PixelTally;
-use crate::math::random::{PathRandom, Stream};
+use crate::math::random::{PathRandom, Stream, dimension};
 use crate::math::{Rgb, octahedral};
 use crate::scene::Scene;
 use crate::scene::material::Lobes;
-use crate::transport::camera_walk::GatherPoint;
+use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
@@ -139,6 +141,50 @@ impl PhotonPasses {
             Auto::Auto => fill_gaps(radii, self.scene.width as usize, self.fallback_radius_squared()),
             Auto::Value(radius) => vec![radius * radius; radii.len()],
         }
+    }
+
+    /// Traces the path of a pixel in a pass and shows `gather` where it gathers; the radiance seen on the way.
+    #[inline]
+    pub fn camera_path(
+        &self,
+        random: &PathRandom,
+        pixel: usize,
+        counters: &mut Counters,
+        gather: impl FnMut(&GatherPoint, &mut Rgb, &mut Counters),
+    ) -> Rgb {
+        let scene = &*self.scene;
+        let pixel = [pixel as u32 % scene.width, pixel as u32 / scene.width];
+        let ray = scene.camera_ray(pixel, random.block(dimension::CAMERA));
+        let walk = CameraWalk::new(ray, self.direct == DirectLight::Sample);
+        let mut radiance = Rgb::ZERO;
+        trace_camera_path(scene, walk, random, &self.limits, &mut radiance, counters, gather);
+        radiance
+    }
+
+    /// First radii where new camera paths of every pixel gather, m², and what that costs.
+    pub fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+        let (map, mut total) = self.pilot_map(cancel)?;
+        let scene = &*self.scene;
+        let found: Vec<(Option<f32>, Counters)> = (0..scene.pixel_count())
+            .into_par_iter()
+            .with_min_len(1024)
+            .map(|pixel| {
+                let mut counters = Counters::default();
+                let random = PathRandom::new(self.seed, Stream::PilotCamera, PILOT_PASS, pixel as u32);
+                let mut last = None;
+                self.camera_path(&random, pixel, &mut counters, |point, _, counters| {
+                    // Direct light will cost its rays too.
+                    counters.rays += 2;
+                    last = Some(*point);
+                });
+                let radius = last.map(|point| self.first_radius_squared(&map, &point, point.path_length));
+                (radius, counters)
+            })
+            .collect();
+        found.iter().for_each(|(_, counters)| total += *counters);
+        let mut radii: Vec<Option<f32>> = found.into_iter().map(|(radius, _)| radius).collect();
+        let filled = self.complete_first_radii(&mut radii);
+        (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
     }
 
     /// Where the search for first radii starts.

@@ -20,15 +20,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, DirectLight, HELP, ParameterHelp, ProgressiveParameters};
-use super::photon_pass::{PILOT_PASS, PhotonPasses, add_to_tally};
+use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
+use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::PixelTally;
 use crate::math::Rgb;
-use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::random::{PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
-use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::photon_map::PhotonMap;
 
 const NAME: &str = "sppm";
@@ -60,24 +59,6 @@ struct Sppm {
 }
 
 impl Sppm {
-    /// Traces the path of a pixel in a pass and shows `gather` where it gathers; the radiance seen on the way.
-    #[inline]
-    fn camera_path(
-        &self,
-        random: &PathRandom,
-        pixel: usize,
-        counters: &mut Counters,
-        gather: impl FnMut(&GatherPoint, &mut Rgb, &mut Counters),
-    ) -> Rgb {
-        let scene = &*self.passes.scene;
-        let pixel = [pixel as u32 % scene.width, pixel as u32 / scene.width];
-        let ray = scene.camera_ray(pixel, random.block(dimension::CAMERA));
-        let walk = CameraWalk::new(ray, self.passes.direct == DirectLight::Sample);
-        let mut radiance = Rgb::ZERO;
-        trace_camera_path(scene, walk, random, &self.passes.limits, &mut radiance, counters, gather);
-        radiance
-    }
-
     /// One pixel of one pass.
     #[inline]
     fn trace_pixel(
@@ -91,7 +72,7 @@ impl Sppm {
     ) {
         let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, pixel as u32);
         let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
-        let radiance = self.camera_path(&random, pixel, counters, |point, radiance, counters| {
+        let radiance = self.passes.camera_path(&random, pixel, counters, |point, radiance, counters| {
             *radiance += point.throughput * self.passes.direct_light(point, &random, counters);
             let found = self.passes.gather(map, point, radius_squared * pass.scale);
             flux += point.throughput * found.0;
@@ -126,27 +107,6 @@ impl PreparedMethod for Sppm {
     }
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
-        let (map, mut total) = self.passes.pilot_map(cancel)?;
-        let scene = &*self.passes.scene;
-        let found: Vec<(Option<f32>, Counters)> = (0..scene.pixel_count())
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|pixel| {
-                let mut counters = Counters::default();
-                let random = PathRandom::new(self.passes.seed, Stream::PilotCamera, PILOT_PASS, pixel as u32);
-                let mut last = None;
-                self.camera_path(&random, pixel, &mut counters, |point, _, counters| {
-                    // Direct light will cost its rays too.
-                    counters.rays += 2;
-                    last = Some(*point);
-                });
-                let radius = last.map(|point| self.passes.first_radius_squared(&map, &point, point.path_length));
-                (radius, counters)
-            })
-            .collect();
-        found.iter().for_each(|(_, counters)| total += *counters);
-        let mut radii: Vec<Option<f32>> = found.into_iter().map(|(radius, _)| radius).collect();
-        let filled = self.passes.complete_first_radii(&mut radii);
-        (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
+        self.passes.pilot(cancel)
     }
 }

@@ -41,6 +41,47 @@ impl Default for Film {
 }
 
 impl Film {
+    /// Pixels of the whole film.
+    #[inline]
+    pub fn whole_pixel_count(&self) -> f32 {
+        self.whole[0] as f32 * self.whole[1] as f32
+    }
+
+    /// Whether a point of the whole film may count in any of the picture's pixels.
+    #[inline]
+    pub fn reaches(&self, point: Vec2) -> bool {
+        let within = |at: f32, offset: u32, size: u32| {
+            let (low, high) = self.filter.reach(at);
+            high >= offset as f32 && low < (offset + size) as f32
+        };
+        within(point.x * self.whole[0] as f32, self.offset[0], self.width)
+            && within(point.y * self.whole[1] as f32, self.offset[1], self.height)
+    }
+
+    /// The picture's pixels that a point of the whole film counts in, by index and filter weight; a filter's weights have an
+    /// integral of 1 over the film, in pixels.
+    #[inline]
+    pub fn for_each_pixel(&self, point: Vec2, mut add: impl FnMut(u32, f32)) {
+        let (x, y) = (point.x * self.whole[0] as f32, point.y * self.whole[1] as f32);
+        let span = |at: f32, offset: u32, size: u32| {
+            let (low, high) = self.filter.reach(at);
+            let (low, high) = (low - offset as f32, high - offset as f32);
+            // Float-to-integer casts saturate: negative becomes 0.
+            (low.max(0.0) as u32, if high < 0.0 { 0 } else { (high as u32 + 1).min(size) })
+        };
+        let (left, right) = span(x, self.offset[0], self.width);
+        let (top, bottom) = span(y, self.offset[1], self.height);
+        for row in top..bottom {
+            let down = self.filter.weight(y - (row + self.offset[1]) as f32);
+            for column in left..right {
+                let weight = down * self.filter.weight(x - (column + self.offset[0]) as f32);
+                if weight > 0.0 {
+                    add(row * self.width + column, weight);
+                }
+            }
+        }
+    }
+
     /// A point of the whole film, (0, 0) top left to (1, 1) bottom right, for column and row of a pixel of the picture and
     /// two numbers in [0, 1).
     #[inline]

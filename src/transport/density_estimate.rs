@@ -47,17 +47,19 @@ impl DensityEstimate {
             radius_squared: self.largest_radius_squared,
             most_segments,
             caustics_only: false,
-            both_sides: constant.is_none() && material.lobes().any(Lobes::TRANSMISSIVE),
+            both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
         };
         map.nearest(&query, self.neighbors, found);
         let inverse_radius_squared = 1.0 / found.radius_squared();
         let mut sum = Rgb::ZERO;
         for (distance_squared, index) in found.photons() {
-            let photon = map.photon(index);
-            let value = constant
-                .unwrap_or_else(|| material.evaluate(&view, hit.frame.to_local(octahedral::decode(photon.direction))));
             let weight = self.kernel.weight(distance_squared * inverse_radius_squared);
-            sum += value * Rgb::from_array(photon.flux) * weight;
+            sum += map.flux(index)
+                * weight
+                * constant.unwrap_or_else(|| {
+                    let incident = octahedral::decode(map.photon(index).direction);
+                    material.evaluate(&view, hit.frame.to_local(incident))
+                });
         }
         sum * (inverse_radius_squared * FRAC_1_PI)
     }

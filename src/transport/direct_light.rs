@@ -12,7 +12,7 @@ use super::multiple_importance::power_heuristic;
 use super::shading;
 
 /// Rays to lights end this share before the light, so that rounding does not let the light hide itself.
-const SHADOW_END: f32 = 1.0 - 1.0 / 65_536.0;
+pub(super) const SHADOW_END: f32 = 1.0 - 1.0 / 65_536.0;
 
 /// Direct radiance that the point's lobes reflect, without the path's throughput; where the path goes on, its next segment
 /// takes the part of material sampling.

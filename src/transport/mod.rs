@@ -2,6 +2,7 @@
 //!
 //! Knows nothing of jobs, workers or HTTP. Everything here is a pure function of the scene and of addressed random numbers.
 
+pub mod bidirectional;
 pub mod camera_walk;
 pub mod counters;
 pub mod density_estimate;

@@ -79,7 +79,7 @@ pub fn trace_photon(
 /// The photon as it is kept. A density estimate measures flux per true area while the material weighs it by the shading
 /// normal's cosine, hence the factor `|ω·Ns|/|ω·Ng|`, 1 on flat surfaces.
 #[inline]
-fn stored(hit: &Interaction, flux: crate::math::Rgb, segments: u32, scattered: bool) -> Option<Photon> {
+pub fn stored(hit: &Interaction, flux: crate::math::Rgb, segments: u32, scattered: bool) -> Option<Photon> {
     let cosine = hit.outgoing.dot(hit.geometric_normal);
     let facing = if cosine < 0.0 { -hit.geometric_normal } else { hit.geometric_normal };
     let shading_cosine = hit.outgoing.dot(hit.frame.normal);

@@ -32,6 +32,21 @@ pub struct Camera {
     far: f32,
 }
 
+/// A point as the camera sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenByCamera {
+    /// Place in the whole film; (0, 0) top left to (1, 1) bottom right is inside.
+    pub film: Vec2,
+    /// Unit direction from the point to the lens.
+    pub direction: Vec3,
+    /// Distance to the lens, m.
+    pub distance: f32,
+    /// Distance to where camera rays start, m.
+    pub visible_distance: f32,
+    /// See [`Camera::pdf_solid_angle`].
+    pub pdf_solid_angle: f32,
+}
+
 const CAMERAS: &[&str] = &["perspective", "thinlens"];
 
 /// Reads a sensor's own parameters, for a whole film of `width` × `height` pixels; the film and sampler are read elsewhere.
@@ -150,6 +165,45 @@ impl Camera {
         let per_depth = 1.0 / direction.dot(forward);
         let origin = self.position + start + direction * (self.near * per_depth);
         Ray { origin, direction, length: (self.far - self.near) * per_depth }
+    }
+
+    /// The density of directions of [`Camera::ray`] for a film point uniform over the whole film, by solid angle; of all points
+    /// of the lens the same.
+    #[inline]
+    pub fn pdf_solid_angle(&self, direction: Vec3) -> f32 {
+        let cosine = direction.dot(self.axes[2]);
+        1.0 / (4.0 * self.half_extent.x * self.half_extent.y * cosine * cosine * cosine)
+    }
+
+    /// How far along `direction` rays start, m.
+    #[inline]
+    pub fn near_distance(&self, direction: Vec3) -> f32 {
+        self.near / direction.dot(self.axes[2])
+    }
+
+    /// Where the film sees `point` from a place of the lens; `None` behind the camera and beyond its clip distances.
+    #[inline]
+    pub fn look_at(&self, point: Vec3, lens: [f32; 2]) -> Option<SeenByCamera> {
+        let [left, up, forward] = self.axes;
+        let start = warp::disc(lens) * self.aperture_radius;
+        let from_lens = point - (self.position + left * start.x + up * start.y);
+        let depth = from_lens.dot(forward);
+        if !(depth > self.near && depth < self.far) {
+            return None;
+        }
+        // Lens and point span a line that meets the plane of focus where the whole film is sharp.
+        let sharp = |offset: f32, lens: f32| offset / depth + lens / self.focus_distance;
+        let x = sharp(from_lens.dot(left), start.x) / self.half_extent.x;
+        let y = sharp(from_lens.dot(up), start.y) / self.half_extent.y;
+        let distance = from_lens.length();
+        let direction = from_lens / distance;
+        Some(SeenByCamera {
+            film: Vec2::new(0.5 - 0.5 * x, 0.5 - 0.5 * y),
+            direction: -direction,
+            distance,
+            visible_distance: distance - self.near_distance(direction),
+            pdf_solid_angle: self.pdf_solid_angle(direction),
+        })
     }
 
     /// Where it stands, m.

@@ -94,6 +94,30 @@ impl Filter {
         }
     }
 
+    /// The first and last pixel, not rounded, that a place on the film, pixels, may count in.
+    #[inline]
+    pub fn reach(&self, at: f32) -> (f32, f32) {
+        match self {
+            Self::Box => (at.floor(), at.floor()),
+            Self::Sampled { radius, .. } => ((at - 0.5 - radius).floor(), (at - 0.5 + radius).ceil()),
+        }
+    }
+
+    /// The density of [`Filter::place`] at a place from the pixel's left or upper edge, pixels⁻¹.
+    #[inline]
+    pub fn weight(&self, place: f32) -> f32 {
+        match self {
+            Self::Box => f32::from(u8::from((0.0..1.0).contains(&place))),
+            Self::Sampled { radius, bins } => {
+                let bin = ((place - 0.5) / radius + 1.0) * (0.5 * BINS as f32);
+                if !(0.0..BINS as f32).contains(&bin) {
+                    return 0.0;
+                }
+                bins.probability(bin as usize) * (0.5 * BINS as f32) / radius
+            }
+        }
+    }
+
     /// A place from the pixel's left or upper edge, pixels: by the filter's weight, for `u` uniform in [0, 1).
     #[inline]
     pub fn place(&self, u: f32) -> f32 {

@@ -7,9 +7,9 @@
 //! Of a textured light, triangles are picked by the power that a few points of each suggest, and points uniformly in them:
 //! bright spots within a large rectangle or triangle are found by chance, which is right but noisy.
 
-use std::f32::consts::PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
-use super::{DirectSample, EmittedPhoton};
+use super::{DirectSample, EmittedPhoton, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
 use crate::math::{Frame, Rgb, Vec2, Vec3, warp};
@@ -91,16 +91,17 @@ impl AreaLight {
         if hit.geometric_normal.dot(hit.outgoing) > 0.0 { self.radiance.color(hit.uv) } else { Rgb::ZERO }
     }
 
-    /// A point of the light, its radiance there and one over the density by area, m².
+    /// A point of the light, its primitive, its radiance there and one over the density by area, m².
     #[inline]
-    fn sample_point(&self, geometry: &Geometry, u: [f32; 2]) -> (SurfacePoint, Rgb, f32) {
+    fn sample_point(&self, geometry: &Geometry, u: [f32; 2]) -> (SurfacePoint, u32, Rgb, f32) {
         let (pick, rest) = self.picks.pick(u[0]);
         let primitive = self.primitives[pick];
         if let Texture::Constant(radiance) = self.radiance {
-            return (geometry.primitive(primitive).sample([rest, u[1]]), radiance, self.area);
+            return (geometry.primitive(primitive).sample([rest, u[1]]), primitive, radiance, self.area);
         }
         let (point, uv) = geometry.sample_with_uv(primitive, [rest, u[1]]);
-        (point, self.radiance.color(uv), geometry.primitive(primitive).area() / self.picks.probability(pick))
+        let area = geometry.primitive(primitive).area() / self.picks.probability(pick);
+        (point, primitive, self.radiance.color(uv), area)
     }
 
     /// One over the density by area of [`AreaLight::sample_point`] on the primitive at a tree index, m².
@@ -126,17 +127,17 @@ impl AreaLight {
     #[inline]
     pub fn sample_direct(&self, geometry: &Geometry, point: Vec3, u: [f32; 2]) -> Option<DirectSample> {
         let in_cone = self.single_sphere(geometry).and_then(|sphere| sphere.sample_cone(point, u));
-        let (target, radiance, cone_or_area) = match in_cone {
+        let (target, primitive, radiance, cone_or_area) = match in_cone {
             Some((target, pdf)) => {
                 let uv = match self.radiance.varies() {
                     true => geometry.uv_at(self.primitives[0], target.position, [0.0; 2]),
                     false => Vec2::ZERO,
                 };
-                (target, self.radiance.color(uv), Ok(pdf))
+                (target, self.primitives[0], self.radiance.color(uv), Ok(pdf))
             }
             None => {
-                let (target, radiance, area) = self.sample_point(geometry, u);
-                (target, radiance, Err(area))
+                let (target, primitive, radiance, area) = self.sample_point(geometry, u);
+                (target, primitive, radiance, Err(area))
             }
         };
         // The target is kept off its own surface so that rounding cannot hide it.
@@ -148,31 +149,42 @@ impl AreaLight {
             return None;
         }
         let pdf_solid_angle = cone_or_area.unwrap_or_else(|area| distance * distance / (cosine * area));
-        Some(DirectSample { direction, distance, weighted_radiance: radiance / pdf_solid_angle, pdf_solid_angle })
+        let seen = SeenPoint { primitive, position: target.position, cosine };
+        let emission_ratio = self.emission_pdf(geometry, &seen) / (pdf_solid_angle * cosine);
+        let weighted_radiance = radiance / pdf_solid_angle;
+        Some(DirectSample { direction, distance, weighted_radiance, pdf_solid_angle, emission_ratio })
     }
 
     /// The density of [`AreaLight::sample_direct`].
     #[inline]
-    pub fn direct_pdf(&self, geometry: &Geometry, point: Vec3, hit: &Interaction) -> f32 {
+    pub fn direct_pdf(&self, geometry: &Geometry, point: Vec3, seen: &SeenPoint) -> f32 {
         if let Some(pdf) = self.single_sphere(geometry).and_then(|sphere| sphere.cone_pdf(point)) {
             return pdf;
         }
-        let cosine = hit.geometric_normal.dot(hit.outgoing);
-        if cosine <= 0.0 {
+        if seen.cosine <= 0.0 {
             return 0.0;
         }
-        hit.position.distance_squared(point) / (cosine * self.area_per_pick(geometry, hit.primitive))
+        seen.position.distance_squared(point) / (seen.cosine * self.area_per_pick(geometry, seen.primitive))
+    }
+
+    /// The density of [`AreaLight::emit`].
+    #[inline]
+    pub fn emission_pdf(&self, geometry: &Geometry, seen: &SeenPoint) -> f32 {
+        seen.cosine.max(0.0) * FRAC_1_PI / self.area_per_pick(geometry, seen.primitive)
     }
 
     /// A point by area and power and a direction by the cosine.
     #[inline]
     pub fn emit(&self, geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let (point, radiance, area) = self.sample_point(geometry, place);
+        let (point, primitive, radiance, area) = self.sample_point(geometry, place);
         let local = warp::cosine_hemisphere(direction);
         Some(EmittedPhoton {
             origin: point.position + point.normal * point.error,
             direction: Frame::from_normal(point.normal).to_world(local),
             flux: radiance * (PI * area),
+            pdf: local.z * FRAC_1_PI / area,
+            origin_kind: Origin::Surface { primitive, normal: point.normal },
+            light: 0,
         })
     }
 }

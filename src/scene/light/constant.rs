@@ -31,6 +31,11 @@ impl Constant {
         self.radiance
     }
 
+    /// What its photons start from.
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
+    }
+
     /// The density of [`Constant::sample_direct`] by solid angle.
     pub fn direct_pdf(&self) -> f32 {
         warp::SPHERE_PDF
@@ -49,6 +54,7 @@ impl Constant {
             distance: f32::INFINITY,
             weighted_radiance: self.radiance / warp::SPHERE_PDF,
             pdf_solid_angle: warp::SPHERE_PDF,
+            emission_ratio: 1.0 / self.surroundings.disc_area(),
         })
     }
 
@@ -57,6 +63,6 @@ impl Constant {
     pub fn emit(&self, _geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
         let axis = Frame::from_normal(warp::sphere(direction));
         let origin = self.surroundings.disc_point(&axis, place);
-        Some(EmittedPhoton { origin, direction: axis.normal, flux: self.power() })
+        Some(self.surroundings.photon(origin, axis.normal, self.power(), warp::SPHERE_PDF))
     }
 }

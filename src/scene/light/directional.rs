@@ -56,6 +56,7 @@ impl Directional {
             distance: f32::INFINITY,
             weighted_radiance: self.irradiance,
             pdf_solid_angle: 0.0,
+            emission_ratio: 1.0 / self.surroundings.disc_area(),
         })
     }
 
@@ -63,7 +64,7 @@ impl Directional {
     #[inline]
     pub fn emit(&self, _geometry: &Geometry, place: [f32; 2], _direction: [f32; 2]) -> Option<EmittedPhoton> {
         let origin = self.surroundings.disc_point(&self.axis, place);
-        Some(EmittedPhoton { origin, direction: self.axis.normal, flux: self.power() })
+        Some(self.surroundings.photon(origin, self.axis.normal, self.power(), 1.0))
     }
 }
 

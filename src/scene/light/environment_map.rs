@@ -11,7 +11,7 @@
 //!
 //! Sampling picks a cell between four texels by the power that comes from it, then a direction uniform by solid angle in it.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::f32::consts::FRAC_1_PI;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
@@ -153,13 +153,14 @@ impl EnvironmentMap {
         (self.radiance_at(&place), probability / self.bands[place.row].cell)
     }
 
-    /// πR²·∫ L dω: what enters the scene's bounding sphere.
-    pub fn power(&self) -> Rgb {
-        self.fluence * self.disc_area()
+    /// What its photons start from.
+    pub fn surroundings(&self) -> &Surroundings {
+        &self.surroundings
     }
 
-    fn disc_area(&self) -> f32 {
-        PI * self.surroundings.radius * self.surroundings.radius
+    /// πR²·∫ L dω: what enters the scene's bounding sphere.
+    pub fn power(&self) -> Rgb {
+        self.fluence * self.surroundings.disc_area()
     }
 
     /// A direction by the light that comes from it.
@@ -178,7 +179,8 @@ impl EnvironmentMap {
         let place = Place { row, column, down: (polar - row as f32).clamp(0.0, 1.0), along };
         let pdf_solid_angle = cells.probability(row, column) / band.cell;
         let weighted_radiance = self.radiance_at(&place) / pdf_solid_angle;
-        Some(DirectSample { direction, distance: f32::INFINITY, weighted_radiance, pdf_solid_angle })
+        let emission_ratio = 1.0 / self.surroundings.disc_area();
+        Some(DirectSample { direction, distance: f32::INFINITY, weighted_radiance, pdf_solid_angle, emission_ratio })
     }
 
     /// A direction by the light that comes from it, and a point uniform on the disc across it.
@@ -187,6 +189,7 @@ impl EnvironmentMap {
         let sample = self.sample_direct(geometry, Vec3::ZERO, direction)?;
         let axis = Frame::from_normal(-sample.direction);
         let origin = self.surroundings.disc_point(&axis, place);
-        Some(EmittedPhoton { origin, direction: axis.normal, flux: sample.weighted_radiance * self.disc_area() })
+        let flux = sample.weighted_radiance * self.surroundings.disc_area();
+        Some(self.surroundings.photon(origin, axis.normal, flux, sample.pdf_solid_angle))
     }
 }

@@ -79,21 +79,24 @@ impl Ies {
         let distance = to_light.length();
         let direction = to_light / distance;
         let [x, y, z] = self.axes.map(|axis| -direction.dot(axis));
-        let candelas = self.profile.candelas(Vec3::new(x, -y, z));
+        let local = Vec3::new(x, -y, z);
+        let candelas = self.profile.candelas(local);
         (distance > 0.0 && candelas > 0.0).then(|| DirectSample {
             direction,
             distance,
             weighted_radiance: self.scale * (candelas / (distance * distance)),
             pdf_solid_angle: 0.0,
+            emission_ratio: self.profile.pdf(local) / (distance * distance),
         })
     }
 
     /// A direction by the profile's density.
     #[inline]
     pub fn emit(&self, _geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let (local, weighted) = self.profile.sample(place[0], direction);
+        let (local, weighted, pdf) = self.profile.sample(place[0], direction);
         let [x, y, z] = self.axes;
         let direction = (x * local.x - y * local.y + z * local.z).normalize();
-        Some(EmittedPhoton { origin: self.position, direction, flux: self.scale * weighted })
+        let flux = self.scale * weighted;
+        Some(EmittedPhoton::from_point(self.position, direction, flux, pdf))
     }
 }

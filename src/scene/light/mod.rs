@@ -35,6 +35,9 @@ pub struct DirectSample {
     pub weighted_radiance: Rgb,
     /// Density by solid angle; 0 marks a light that directions cannot hit by chance.
     pub pdf_solid_angle: f32,
+    /// The density by area with which photons that leave this place of the light meet a surface at the point, over that of
+    /// this sample, for a surface that faces the light; to be multiplied with its cosine.
+    pub emission_ratio: f32,
 }
 
 /// A photon as it leaves a light.
@@ -46,6 +49,63 @@ pub struct EmittedPhoton {
     pub direction: Vec3,
     /// Le·cos/pdf, W: the flux that one photon stands for when it is the only one.
     pub flux: Rgb,
+    /// Density of place and direction together: by area and solid angle; without the area for lights that are points,
+    /// without the solid angle for light of one direction.
+    pub pdf: f32,
+    /// What it leaves.
+    pub origin_kind: Origin,
+    /// Index in the light table; 0 until that sets it.
+    pub light: u32,
+}
+
+/// What a photon leaves.
+#[derive(Clone, Copy, Debug)]
+pub enum Origin {
+    /// A surface.
+    Surface {
+        /// Its primitive's tree index.
+        primitive: u32,
+        /// Unit normal on the side that emits.
+        normal: Vec3,
+    },
+    /// A light without extent.
+    Point,
+    /// A disc outside of the scene, across the photon's direction.
+    Distant {
+        /// Its area, m².
+        disc_area: f32,
+    },
+}
+
+/// The densities of other ways to find the first segment of a photon path, over the photon's own by area at both ends
+/// [Veach 1997, eq. 10.9].
+#[derive(Clone, Copy, Debug)]
+pub struct FirstSegment {
+    /// Of sampling the light from the photon's first hit; to be divided by the hit's cosine.
+    pub light_sampling: f32,
+    /// Of a direction from the first hit that hits the light; to be multiplied with that direction's density by solid angle and
+    /// divided by the hit's cosine. 0 where directions cannot hit the light.
+    pub light_hit: f32,
+}
+
+/// A point of an emitting surface as another point sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenPoint {
+    /// Tree index of its primitive.
+    pub primitive: u32,
+    /// Position, m.
+    pub position: Vec3,
+    /// Cosine between the surface's normal and the direction to the other point.
+    pub cosine: f32,
+}
+
+impl SeenPoint {
+    /// Where a ray hit.
+    #[inline]
+    pub fn of(hit: &Interaction) -> Self {
+        let cosine = hit.geometric_normal.dot(hit.outgoing);
+        Self { primitive: hit.primitive, position: hit.position, cosine }
+    }
 }
 
 /// Centre and radius of the sphere around the scene; distant lights emit from its disc.
@@ -88,6 +148,33 @@ macro_rules! lights {
 
 lights!(AreaLight, Point, Spot, Ies, Directional, Constant, EnvironmentMap);
 
+impl EmittedPhoton {
+    /// A photon of a light without extent, for a density of directions by solid angle.
+    fn from_point(origin: Vec3, direction: Vec3, flux: Rgb, pdf: f32) -> Self {
+        Self { origin, direction, flux, pdf, origin_kind: Origin::Point, light: 0 }
+    }
+}
+
+impl Surroundings {
+    /// Area of the disc that distant lights emit from, m².
+    pub fn disc_area(&self) -> f32 {
+        std::f32::consts::PI * self.radius * self.radius
+    }
+
+    /// A photon from that disc.
+    fn photon(&self, origin: Vec3, direction: Vec3, flux: Rgb, pdf_direction: f32) -> EmittedPhoton {
+        let disc_area = self.disc_area();
+        EmittedPhoton {
+            origin,
+            direction,
+            flux,
+            pdf: pdf_direction / disc_area,
+            origin_kind: Origin::Distant { disc_area },
+            light: 0,
+        }
+    }
+}
+
 impl Light {
     /// Radiance that leaves a hit of this light's surface back along the path.
     #[inline]
@@ -98,11 +185,29 @@ impl Light {
         }
     }
 
-    /// The density by solid angle with which [`Light::sample_direct`] from `point` finds the surface point `hit`.
+    /// The density by solid angle with which [`Light::sample_direct`] from `point` finds the surface point `seen`.
     #[inline]
-    pub fn direct_pdf(&self, geometry: &Geometry, point: Vec3, hit: &Interaction) -> f32 {
+    pub fn direct_pdf(&self, geometry: &Geometry, point: Vec3, seen: &SeenPoint) -> f32 {
         match self {
-            Self::AreaLight(light) => light.direct_pdf(geometry, point, hit),
+            Self::AreaLight(light) => light.direct_pdf(geometry, point, seen),
+            _ => 0.0,
+        }
+    }
+
+    /// The density by area and solid angle with which [`Light::emit`] leaves the surface point `seen` at its cosine.
+    #[inline]
+    pub fn emission_pdf(&self, geometry: &Geometry, seen: &SeenPoint) -> f32 {
+        match self {
+            Self::AreaLight(light) => light.emission_pdf(geometry, seen),
+            _ => 0.0,
+        }
+    }
+
+    /// One over the area of the disc that its photons start from, m⁻²; 0 for lights that are inside.
+    pub fn environment_emission_ratio(&self) -> f32 {
+        match self {
+            Self::Constant(light) => 1.0 / light.surroundings().disc_area(),
+            Self::EnvironmentMap(light) => 1.0 / light.surroundings().disc_area(),
             _ => 0.0,
         }
     }

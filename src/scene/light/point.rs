@@ -56,12 +56,13 @@ impl Point {
             distance,
             weighted_radiance: self.intensity / (distance * distance),
             pdf_solid_angle: 0.0,
+            emission_ratio: warp::SPHERE_PDF / (distance * distance),
         })
     }
 
     /// A direction uniform over the sphere.
     #[inline]
     pub fn emit(&self, _geometry: &Geometry, _place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        Some(EmittedPhoton { origin: self.position, direction: warp::sphere(direction), flux: self.power() })
+        Some(EmittedPhoton::from_point(self.position, warp::sphere(direction), self.power(), warp::SPHERE_PDF))
     }
 }

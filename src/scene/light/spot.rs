@@ -89,6 +89,7 @@ impl Spot {
             distance,
             weighted_radiance: intensity / (distance * distance),
             pdf_solid_angle: 0.0,
+            emission_ratio: self.cone_pdf() / (distance * distance),
         })
     }
 
@@ -97,7 +98,13 @@ impl Spot {
     pub fn emit(&self, _geometry: &Geometry, _place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
         let local = warp::cone(self.one_minus_cosine, direction);
         let flux = self.intensity_at(local.z) * (2.0 * PI * self.one_minus_cosine);
-        Some(EmittedPhoton { origin: self.position, direction: self.axis.to_world(local), flux })
+        let direction = self.axis.to_world(local);
+        Some(EmittedPhoton::from_point(self.position, direction, flux, self.cone_pdf()))
+    }
+
+    /// The density of directions in the cone by solid angle.
+    fn cone_pdf(&self) -> f32 {
+        1.0 / (2.0 * PI * self.one_minus_cosine)
     }
 }
 

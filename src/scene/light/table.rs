@@ -1,6 +1,6 @@
 //! All lights of a scene, picked by power.
 
-use super::{DirectSample, EmittedPhoton, Light};
+use super::{DirectSample, EmittedPhoton, FirstSegment, Light, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
 use crate::math::{Rgb, Vec3};
@@ -85,8 +85,50 @@ impl LightTable {
         if radiance == Rgb::ZERO {
             return None;
         }
-        let pdf = self.lights[index].direct_pdf(geometry, point, hit) * self.by_power.probability(index);
+        let pdf =
+            self.lights[index].direct_pdf(geometry, point, &SeenPoint::of(hit)) * self.by_power.probability(index);
         Some((radiance, pdf))
+    }
+
+    /// The density by area and solid angle with which [`LightTable::emit`] sends a photon from a hit of a light back along the
+    /// path.
+    #[inline]
+    pub fn emission_pdf(&self, geometry: &Geometry, hit: &Interaction) -> f32 {
+        if hit.shape.light == NO_LIGHT {
+            return 0.0;
+        }
+        let index = hit.shape.light as usize;
+        self.lights[index].emission_pdf(geometry, &SeenPoint::of(hit)) * self.by_power.probability(index)
+    }
+
+    /// What other ways of sampling the first segment of a photon path there are, from where it hits first.
+    #[inline]
+    pub fn first_segment(&self, geometry: &Geometry, photon: &EmittedPhoton, hit: Vec3) -> FirstSegment {
+        let pick = self.by_power.probability(photon.light as usize);
+        let light = &self.lights[photon.light as usize];
+        match photon.origin_kind {
+            Origin::Surface { primitive, normal } => {
+                let seen = SeenPoint { primitive, position: photon.origin, cosine: normal.dot(photon.direction) };
+                let direct = light.direct_pdf(geometry, hit, &seen) * pick;
+                let light_hit = seen.cosine / photon.pdf;
+                FirstSegment { light_sampling: direct * light_hit, light_hit }
+            }
+            Origin::Point => {
+                let light_sampling = pick * hit.distance_squared(photon.origin) / photon.pdf;
+                FirstSegment { light_sampling, light_hit: 0.0 }
+            }
+            // The pick and the direction are in both densities.
+            Origin::Distant { disc_area } => FirstSegment {
+                light_sampling: disc_area,
+                light_hit: if light.is_environment() { 1.0 / photon.pdf } else { 0.0 },
+            },
+        }
+    }
+
+    /// Over the density of [`LightTable::environment`]: that of a photon which comes from there through a given point across it.
+    #[inline]
+    pub fn environment_emission_ratio(&self) -> f32 {
+        self.environment.map_or(0.0, |index| self.lights[index].environment_emission_ratio())
     }
 
     /// Radiance that arrives from `direction` outside of the scene, and the density by solid angle of sampling it.
@@ -102,6 +144,7 @@ impl LightTable {
     pub fn emit(&self, geometry: &Geometry, place: [f32; 3], direction: [f32; 2]) -> Option<EmittedPhoton> {
         let (index, _) = self.by_power.pick(place[0]);
         let photon = self.lights[index].emit(geometry, [place[1], place[2]], direction)?;
-        Some(EmittedPhoton { flux: photon.flux / self.by_power.probability(index), ..photon })
+        let pick = self.by_power.probability(index);
+        Some(EmittedPhoton { flux: photon.flux / pick, pdf: photon.pdf * pick, light: index as u32, ..photon })
     }
 }

@@ -1,8 +1,8 @@
 //! The density estimate's inner loop: photons in a disc around a point.
 //!
 //! A photon counts when it lies within the radius, near the tangent plane and on a surface that faces the same way.
-//! [`PhotonMap::gather`] sums eight photons at a time without branches; [`PhotonMap::visit`] is its plain twin, for materials
-//! that look at each photon.
+//! Eight are tested at a time without branches; [`PhotonMap::gather`] sums them so too, [`PhotonMap::visit`] is for materials that
+//! look at each photon. Their plain twin, a search through all photons, stands in `tests/gather_twin.rs`.
 
 use wide::{f32x8, i32x8};
 
@@ -28,7 +28,7 @@ pub struct GatherQuery {
     pub most_segments: u32,
     /// Only photons that nothing but specular surfaces scattered count.
     pub caustics_only: bool,
-    /// Photons on the other side of the surface count too; [`PhotonMap::gather`] does not know this.
+    /// Photons on the other side of the surface count too.
     pub both_sides: bool,
 }
 
@@ -74,64 +74,13 @@ fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// What a query asks of eight photons at a time.
-pub(super) struct LaneTest {
-    center: [f32x8; 3],
-    normal: [f32x8; 3],
-    segments_mask: i32x8,
-    most_segments: i32x8,
-    both_sides: bool,
-}
-
-/// Eight photons seen from the query's point.
-pub(super) struct LaneView {
-    /// Squared distance, m².
-    pub(super) distance_squared: f32x8,
-    /// Height over the tangent plane, m.
-    pub(super) height: f32x8,
-    /// Set where a photon belongs to the run, faces the right way and is one of those that the query asks for.
-    pub(super) suitable: f32x8,
-}
-
-impl LaneTest {
-    #[inline(always)]
-    pub(super) fn new(query: &GatherQuery, both_sides: bool) -> Self {
-        Self {
-            center: query.position.to_array().map(f32x8::splat),
-            normal: query.normal.to_array().map(f32x8::splat),
-            segments_mask: i32x8::splat(query.segments_mask() as i32),
-            most_segments: i32x8::splat(query.most_segments as i32),
-            both_sides,
-        }
-    }
-
-    /// Looks at the photons from `index` on of a run that ends at `last`.
-    #[inline(always)]
-    pub(super) fn look(&self, photons: &PhotonColumns, index: usize, last: usize) -> LaneView {
-        let [x, y, z] = &photons.position;
-        let center = &self.center;
-        let offset = [lanes(x, index) - center[0], lanes(y, index) - center[1], lanes(z, index) - center[2]];
-        let code = i32x8::new(bytemuck::cast(eight(&photons.normal_and_segments, index)));
-        let byte = |shift: i32| f32x8::from_i32x8((code << shift) >> 24);
-        let cosine = dot([byte(24), byte(16), byte(8)], self.normal);
-        let cosine = if self.both_sides { cosine.abs() } else { cosine };
-        let segments: i32x8 = (code >> 24) & self.segments_mask;
-        let in_run = LANE.simd_lt(i32x8::splat((last - index).min(LANES) as i32));
-        let allowed: i32x8 = in_run & !segments.simd_gt(self.most_segments);
-        LaneView {
-            distance_squared: dot(offset, offset),
-            height: dot(offset, self.normal),
-            suitable: cosine.simd_gt(LEAST_NORMAL_COSINE) & bytemuck::cast::<i32x8, f32x8>(allowed),
-        }
-    }
-}
-
 impl PhotonMap {
     /// Sums the flux of all photons that count.
     #[inline]
     pub fn gather(&self, query: &GatherQuery) -> Gathered {
         let mut sums = LaneSums::default();
-        self.for_each_run(query, |first, last| self.sum_run(first, last, query, &mut sums));
+        let test = LaneTest::new(query);
+        self.for_each_run(query, |first, last| self.sum_run(first, last, &test, &mut sums));
         // Lane by lane: a sum in another order would depend on the machine.
         let total = |lanes: &f32x8| lanes.to_array().iter().sum::<f32>();
         Gathered {
@@ -141,12 +90,21 @@ impl PhotonMap {
     }
 
     /// Shows every photon that counts to `visit`, in the map's order.
+    #[inline]
     pub fn visit(&self, query: &GatherQuery, mut visit: impl FnMut(&Photon)) {
+        self.visit_indices(query, |index| visit(&self.photon(index)));
+    }
+
+    /// Shows the place in the map of every photon that counts to `visit`, in ascending order.
+    #[inline]
+    pub fn visit_indices(&self, query: &GatherQuery, mut visit: impl FnMut(usize)) {
+        let test = LaneTest::new(query);
         self.for_each_run(query, |first, last| {
-            for index in first..last {
-                let photon = self.photon(index);
-                if counts(&photon, query) {
-                    visit(&photon);
+            for index in (first..last).step_by(LANES) {
+                let mut found = test.count(&self.photons, index, last).to_bitmask();
+                while found != 0 {
+                    visit(index + found.trailing_zeros() as usize);
+                    found &= found - 1;
                 }
             }
         });
@@ -170,14 +128,9 @@ impl PhotonMap {
     }
 
     #[inline]
-    fn sum_run(&self, first: usize, last: usize, query: &GatherQuery, sums: &mut LaneSums) {
-        let test = LaneTest::new(query, false);
-        let flatness = FLATNESS * query.radius_squared.sqrt();
+    fn sum_run(&self, first: usize, last: usize, test: &LaneTest, sums: &mut LaneSums) {
         for index in (first..last).step_by(LANES) {
-            let lane = test.look(&self.photons, index, last);
-            let counts = lane.distance_squared.simd_lt(query.radius_squared)
-                & lane.height.abs().simd_le(flatness)
-                & lane.suitable;
+            let counts = test.count(&self.photons, index, last);
             sums.photons += counts & f32x8::ONE;
             for (sum, flux) in sums.flux.iter_mut().zip(&self.photons.flux) {
                 *sum += counts & lanes(flux, index);
@@ -185,27 +138,85 @@ impl PhotonMap {
         }
     }
 
-    /// A photon by its place in the map's order.
+    /// The flux of the photon at a place in the map, W.
+    #[inline]
+    pub fn flux(&self, index: usize) -> Rgb {
+        let [red, green, blue] = &self.photons.flux;
+        Rgb::new(red[index], green[index], blue[index])
+    }
+
+    /// The photon at a place in the map.
     #[inline]
     pub fn photon(&self, index: usize) -> Photon {
-        let PhotonColumns { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction } =
-            &self.photons;
+        let columns = &self.photons;
         Photon {
-            position: [x[index], y[index], z[index]],
-            direction: direction[index],
-            normal_and_segments: normal_and_segments[index],
-            flux: [red[index], green[index], blue[index]],
+            position: [0, 1, 2].map(|axis| columns.position[axis][index]),
+            direction: columns.direction[index],
+            normal_and_segments: columns.normal_and_segments[index],
+            flux: [0, 1, 2].map(|channel| columns.flux[channel][index]),
         }
     }
 }
 
-/// Whether a photon counts: the plain twin of the test in the lane loop.
-fn counts(photon: &Photon, query: &GatherQuery) -> bool {
-    let offset = Vec3::from_array(photon.position) - query.position;
-    let byte = |shift: u32| (photon.normal_and_segments >> shift) as u8 as i8 as f32;
-    let cosine = Vec3::new(byte(0), byte(8), byte(16)).dot(query.normal);
-    offset.length_squared() < query.radius_squared
-        && offset.dot(query.normal).abs() <= FLATNESS * query.radius_squared.sqrt()
-        && if query.both_sides { cosine.abs() } else { cosine } > LEAST_NORMAL_COSINE
-        && photon.normal_and_segments >> 24 & query.segments_mask() <= query.most_segments
+/// A query, spread over the lanes.
+pub(super) struct LaneTest {
+    center: [f32x8; 3],
+    normal: [f32x8; 3],
+    radius_squared: f32,
+    flatness: f32,
+    segments_mask: i32x8,
+    most_segments: i32x8,
+    /// Clears the sign of a cosine where both sides of the surface count.
+    cosine_mask: f32x8,
+}
+
+impl LaneTest {
+    pub(super) fn new(query: &GatherQuery) -> Self {
+        let cosine_mask = if query.both_sides { 0x7fff_ffff } else { u32::MAX };
+        Self {
+            center: query.position.to_array().map(f32x8::splat),
+            normal: query.normal.to_array().map(f32x8::splat),
+            radius_squared: query.radius_squared,
+            flatness: FLATNESS * query.radius_squared.sqrt(),
+            segments_mask: i32x8::splat(query.segments_mask() as i32),
+            most_segments: i32x8::splat(query.most_segments as i32),
+            cosine_mask: f32x8::splat(f32::from_bits(cosine_mask)),
+        }
+    }
+
+    /// All bits of the lanes whose photon counts, of eight from `index` on and before `last`.
+    #[inline(always)]
+    fn count(&self, photons: &PhotonColumns, index: usize, last: usize) -> f32x8 {
+        let seen = self.look(photons, index, last);
+        seen.distance_squared.simd_lt(self.radius_squared) & seen.height.abs().simd_le(self.flatness) & seen.suitable
+    }
+
+    /// Eight photons from `index` on and before `last`, whatever their distance.
+    #[inline(always)]
+    pub(super) fn look(&self, photons: &PhotonColumns, index: usize, last: usize) -> LaneView {
+        let [x, y, z] = &photons.position;
+        let offset =
+            [lanes(x, index) - self.center[0], lanes(y, index) - self.center[1], lanes(z, index) - self.center[2]];
+        let code = i32x8::new(bytemuck::cast(eight(&photons.normal_and_segments, index)));
+        let byte = |shift: i32| f32x8::from_i32x8((code << shift) >> 24);
+        let cosine = dot([byte(24), byte(16), byte(8)], self.normal) & self.cosine_mask;
+        let segments: i32x8 = (code >> 24) & self.segments_mask;
+        let in_run = LANE.simd_lt(i32x8::splat((last - index).min(LANES) as i32));
+        let allowed: i32x8 = in_run & !segments.simd_gt(self.most_segments);
+        LaneView {
+            distance_squared: dot(offset, offset),
+            height: dot(offset, self.normal),
+            suitable: cosine.simd_gt(LEAST_NORMAL_COSINE) & bytemuck::cast::<i32x8, f32x8>(allowed),
+        }
+    }
+}
+
+/// Eight photons as a query sees them.
+pub(super) struct LaneView {
+    /// Squared distance, m².
+    pub(super) distance_squared: f32x8,
+    /// Height over the tangent plane, m.
+    pub(super) height: f32x8,
+    /// All bits where a photon is in the run, faces the right way and is of a kind that counts.
+    pub(super) suitable: f32x8,
 }

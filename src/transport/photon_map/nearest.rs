@@ -65,7 +65,7 @@ impl PhotonMap {
     /// Finds the photons that are nearer than the `count`-th of those that count for `query` (at least 2), or all within
     /// its radius where these are fewer.
     pub fn nearest(&self, query: &GatherQuery, count: usize, found: &mut Nearest) {
-        let test = LaneTest::new(query, query.both_sides);
+        let test = LaneTest::new(query);
         let mut radius = FIRST_SEARCH_CELLS * self.grid.cell_side();
         loop {
             let radius_squared = (radius * radius).min(query.radius_squared);

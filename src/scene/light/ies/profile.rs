@@ -93,9 +93,9 @@ impl Profile {
         here + (next - here) * along
     }
 
-    /// A unit direction, and its candelas over the density by solid angle with which it was found.
+    /// A unit direction, its candelas over the density by solid angle with which it was found, and that density.
     #[inline]
-    pub(super) fn sample(&self, cell: f32, u: [f32; 2]) -> (Vec3, f32) {
+    pub(super) fn sample(&self, cell: f32, u: [f32; 2]) -> (Vec3, f32, f32) {
         let (cell, _) = self.cells.pick(cell);
         let rows = self.cosines.len() - 1;
         let (column, row) = (cell / rows, cell % rows);
@@ -107,7 +107,23 @@ impl Profile {
         let radius = (1.0 - z * z).max(0.0).sqrt();
         let direction = Vec3::new(radius * cosine, radius * sine, z);
         let solid_angle = (upper - lower) * (end - start) * TAU as f32;
-        (direction, self.candelas(direction) * solid_angle / self.cells.probability(cell))
+        let pdf = self.cells.probability(cell) / solid_angle;
+        (direction, self.candelas(direction) / pdf, pdf)
+    }
+
+    /// The density of [`Profile::sample`].
+    #[inline]
+    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
+        let turn = libm::atan2f(direction.y, direction.x) / TAU as f32;
+        let turn = if turn < self.turns[0] { turn + 1.0 } else { turn };
+        let row = self.cosines.partition_point(|cosine| *cosine >= direction.z);
+        let column = self.turns.partition_point(|start| *start <= turn);
+        if row == 0 || row == self.cosines.len() || column == 0 || column == self.turns.len() {
+            return 0.0;
+        }
+        let solid_angle =
+            (self.cosines[row - 1] - self.cosines[row]) * (self.turns[column] - self.turns[column - 1]) * TAU as f32;
+        self.cells.probability((column - 1) * (self.cosines.len() - 1) + row - 1) / solid_angle
     }
 }
 

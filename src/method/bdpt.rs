@@ -1,0 +1,55 @@
+//! `bdpt`: bidirectional path tracing. Every pass traces a light and a camera subpath per pixel and joins each vertex of one with
+//! each of the other; camera subpaths also hit lights and sample them, light subpaths also are seen by the camera. All ways
+//! of finding a path share it by multiple importance sampling. Every pass is unbiased.
+//!
+//! References: Lafortune & Willems 1993, "Bi-directional path tracing"; [V97] Veach 1997, chapter 10; [G12] Georgiev 2012,
+//! "Implementing vertex connection and merging", whose recursion computes the weights.
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | s, t | vertices of the light and of the camera subpath [V97, 10.2] | – |
+//! | α | `Vertex::throughput` | W; – |
+//! | d | `Sums` [G12, eqs. 31–36] | – |
+//!
+//! Limits: paths on which a specular surface follows wherever they could be joined (a caustic seen in a mirror) are found only when
+//! they hit a lamp by chance.
+
+use std::sync::Arc;
+
+use super::bidirectional_parameters::{
+    BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH, STRATEGY,
+};
+use super::bidirectional_pass::BidirectionalPasses;
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use crate::scene::Scene;
+use crate::transport::bidirectional::Techniques;
+
+const NAME: &str = "bdpt";
+const PARAMETERS: &[ParameterHelp] = &[HEURISTIC, STRATEGY, MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
+
+/// The row of the table.
+pub const ENTRY: MethodEntry = MethodEntry {
+    name: NAME,
+    summary: "bidirectional path tracing: every light and camera vertex connected",
+    cannot_sample: "light of point, spot and directional lights through glass onto what glass or mirrors show",
+    reference: "Lafortune & Willems 1993; Veach 1997, chapter 10",
+    parameters: PARAMETERS,
+    check,
+    prepare,
+};
+
+fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
+    Techniques::ALL_CONNECTIONS
+}
+
+fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
+}
+
+fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
+}

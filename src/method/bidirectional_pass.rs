@@ -1,0 +1,299 @@
+//! One pass of the methods that make paths from two ends: light subpaths first, kept where the method connects or merges them;
+//! then a camera subpath per pixel, joined with them.
+//!
+//! Memory: 64 bytes per kept vertex and 32 more where they are merged. Roulette keeps their number near the number of light
+//! subpaths times their mean length, which grows with the reflectance of the scene.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+
+use super::bidirectional_parameters::BidirectionalParameters;
+use super::parameters::DirectLight;
+use super::photon_pass::{PhotonPasses, add_to_tally};
+use super::{CheckedMethod, Pass, PreparedMethod};
+use crate::estimate::{PixelTally, Region};
+use crate::math::Rgb;
+use crate::math::random::dimension;
+use crate::scene::Scene;
+use crate::transport::bidirectional::{
+    CameraWalk, LightWalk, Selection, StoredVertex, Techniques, Vertex, Weighting, connect, direct_light, merge,
+    to_camera,
+};
+use crate::transport::photon_map::{Grid, Photon, PhotonChunk, PhotonMap};
+use crate::transport::photon_tracing::stored;
+use crate::transport::{Counters, Limits};
+
+/// Light subpaths per chunk, which one thread traces.
+const PATHS_PER_CHUNK: u32 = 2048;
+
+/// A scene and techniques, ready to trace.
+pub struct BidirectionalPasses {
+    scene: Arc<Scene>,
+    seed: u64,
+    limits: Limits,
+    weighting: Weighting,
+    selection: Selection,
+    light_paths: u32,
+    /// Finds first radii as `sppm` does.
+    pilot: PhotonPasses,
+}
+
+/// What a chunk of light subpaths leaves.
+#[derive(Default)]
+struct LightChunk {
+    vertices: Vec<StoredVertex>,
+    /// Where the vertices of each subpath end.
+    ends: Vec<u32>,
+    /// Photons of the same vertices, with their index in the chunk for a direction.
+    photons: Vec<Photon>,
+    /// What the camera sees: index of the pixel in the region, radiance.
+    splats: Vec<(u32, Rgb)>,
+    counters: Counters,
+}
+
+/// All light subpaths of a pass.
+#[derive(Default)]
+struct LightPaths {
+    vertices: Vec<StoredVertex>,
+    ends: Vec<u32>,
+    map: Option<PhotonMap>,
+}
+
+impl LightPaths {
+    /// The vertices of subpath `path`.
+    fn range(&self, path: usize) -> Range<usize> {
+        let start = if path == 0 { 0 } else { self.ends[path - 1] };
+        start as usize..self.ends[path] as usize
+    }
+}
+
+impl BidirectionalPasses {
+    /// A method that shares paths among `techniques`.
+    pub fn new(
+        scene: Arc<Scene>,
+        method: &CheckedMethod,
+        parameters: &BidirectionalParameters,
+        techniques: Techniques,
+        seed: u64,
+    ) -> Self {
+        let limits = parameters.limits();
+        let light_paths = method.photons_per_pass;
+        let pilot = PhotonPasses {
+            scene: scene.clone(),
+            seed,
+            limits,
+            direct: DirectLight::Photons,
+            follows_narrow: true,
+            photons_per_pass: light_paths,
+            first_radius: parameters.first_radius(),
+        };
+        let weighting = parameters.weighting(techniques, light_paths);
+        Self { scene, seed, limits, weighting, selection: parameters.selection(), light_paths, pilot }
+    }
+
+    fn uses(&self, techniques: Techniques) -> bool {
+        self.weighting.techniques.any(techniques)
+    }
+
+    fn light_walk(&self, pass: &Pass<'_>) -> LightWalk<'_> {
+        let Self { limits, weighting, seed, .. } = *self;
+        LightWalk { scene: &self.scene, limits, weighting, seed, pass: pass.index }
+    }
+
+    fn camera_walk(&self, pass: &Pass<'_>) -> CameraWalk<'_> {
+        let Self { mut limits, weighting, selection, seed, .. } = *self;
+        if weighting.techniques == Techniques::CAMERA {
+            // All that is left to camera subpaths is light that is seen directly.
+            limits.max_depth = Some(1);
+        }
+        CameraWalk { scene: &self.scene, limits, weighting, selection, seed, pass: pass.index }
+    }
+
+    /// ηᵝ of a pixel, counted in the region.
+    fn acceptance(&self, pass: &Pass<'_>, pixel: usize) -> f32 {
+        match self.uses(Techniques::MERGE) {
+            true => self.weighting.acceptance(pass.radius_squared[pixel] * pass.scale),
+            false => 0.0,
+        }
+    }
+
+    /// Traces the light subpaths `paths`.
+    fn light_chunk(&self, pass: &Pass<'_>, paths: Range<u32>) -> LightChunk {
+        let walk = self.light_walk(pass);
+        let mut chunk = LightChunk::default();
+        let LightChunk { vertices, ends, photons, splats, counters } = &mut chunk;
+        for path in paths {
+            let random = walk.random(path);
+            walk.trace(path, counters, |vertex, counters| {
+                if self.uses(Techniques::CAMERA) {
+                    let [lens_x, lens_y, _, _] = random.block(dimension::light(vertex.segments));
+                    self.splat(&walk, pass, vertex, [lens_x, lens_y], splats, counters);
+                }
+                if self.uses(Techniques::MERGE)
+                    && let Some(photon) = stored(&vertex.hit, vertex.throughput, vertex.segments, false)
+                {
+                    photons.push(Photon { direction: vertices.len() as u32, ..photon });
+                }
+                if self.uses(Techniques::MERGE) || self.uses(Techniques::CONNECT) {
+                    vertices.push(StoredVertex::new(vertex));
+                }
+            });
+            ends.push(vertices.len() as u32);
+        }
+        counters.photons_stored += vertices.len() as u64;
+        chunk
+    }
+
+    fn splat(
+        &self,
+        walk: &LightWalk<'_>,
+        pass: &Pass<'_>,
+        vertex: &Vertex,
+        lens: [f32; 2],
+        splats: &mut Vec<(u32, Rgb)>,
+        counters: &mut Counters,
+    ) {
+        let Some(seen) = to_camera(walk, &self.selection, vertex, lens, counters) else { return };
+        let region = pixels_of(pass.region, self.scene.width);
+        self.scene.film.for_each_pixel(seen.film, |pixel, filter| {
+            if region.contains(&pixel) {
+                let pixel = pixel - region.start;
+                let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
+                splats.push((pixel, seen.radiance * (weight * filter / self.weighting.light_paths)));
+            }
+        });
+    }
+
+    /// Traces all light subpaths; what the camera sees of them is added to `pixels`.
+    fn light_paths(
+        &self,
+        pass: &Pass<'_>,
+        pixels: &mut [PixelTally],
+        total: &mut Counters,
+        cancel: &AtomicBool,
+    ) -> Option<LightPaths> {
+        let chunks: Option<Vec<LightChunk>> = (0..self.light_paths.div_ceil(PATHS_PER_CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let first = chunk * PATHS_PER_CHUNK;
+                let paths = first..self.light_paths.min(first.saturating_add(PATHS_PER_CHUNK));
+                (!cancel.load(Ordering::Relaxed)).then(|| self.light_chunk(pass, paths))
+            })
+            .collect();
+        let mut chunks = chunks?;
+        for chunk in &chunks {
+            *total += chunk.counters;
+            for (pixel, radiance) in &chunk.splats {
+                add_to_tally(&mut pixels[*pixel as usize], pass, *radiance, Rgb::ZERO, 0.0, total);
+            }
+        }
+        let map = self.uses(Techniques::MERGE).then(|| self.photon_map(pass, &mut chunks));
+        let mut paths = LightPaths { map, ..LightPaths::default() };
+        for chunk in chunks {
+            let first = paths.vertices.len() as u32;
+            paths.ends.extend(chunk.ends.iter().map(|end| first + end));
+            paths.vertices.extend(chunk.vertices);
+        }
+        Some(paths)
+    }
+
+    /// Sorts the photons of all chunks by place, with the index of their vertex in the pass.
+    fn photon_map(&self, pass: &Pass<'_>, chunks: &mut [LightChunk]) -> PhotonMap {
+        let mut first = 0;
+        for chunk in chunks.iter_mut() {
+            chunk.photons.iter_mut().for_each(|photon| photon.direction += first);
+            first += chunk.vertices.len() as u32;
+        }
+        let (low, high) = self.scene.geometry.bounds();
+        let cell = 2.0 * pass.typical_radius_squared.sqrt();
+        let grid = Grid::new(low, high, cell, 4 * u64::from(self.light_paths).max(1 << 14));
+        let sorted: Vec<PhotonChunk> =
+            chunks.par_iter_mut().map(|chunk| PhotonChunk::sort(&std::mem::take(&mut chunk.photons), &grid)).collect();
+        PhotonMap::build(&sorted, grid)
+    }
+
+    /// One pixel of one pass; `pixel` is counted in the region.
+    fn trace_pixel(
+        &self,
+        walk: &CameraWalk<'_>,
+        pass: &Pass<'_>,
+        paths: &LightPaths,
+        pixel: usize,
+        own: &mut Vec<Vertex>,
+        tally: &mut PixelTally,
+        counters: &mut Counters,
+    ) {
+        let index = pixels_of(pass.region, self.scene.width).start + pixel as u32;
+        let acceptance = self.acceptance(pass, pixel);
+        own.clear();
+        if self.uses(Techniques::CONNECT) {
+            own.extend(paths.vertices[paths.range(index as usize)].iter().map(StoredVertex::unpack));
+        }
+        let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
+        let radiance = walk.trace(index, acceptance, counters, |camera, random, counters| {
+            let mut radiance = Rgb::ZERO;
+            if self.uses(Techniques::DIRECT) {
+                radiance += direct_light(walk, camera, random, acceptance, counters);
+            }
+            for light in own.iter() {
+                radiance += connect(walk, camera, light, acceptance, counters);
+            }
+            if let Some(map) = &paths.map {
+                let radius_squared = pass.radius_squared[pixel] * pass.scale;
+                let found = merge(walk, camera, map, &paths.vertices, radius_squared, acceptance);
+                flux += found.0;
+                photons += found.1;
+            }
+            radiance
+        });
+        add_to_tally(tally, pass, radiance, flux, photons, counters);
+    }
+}
+
+/// The pixels of a region, counted in the picture.
+fn pixels_of(region: Region, width: u32) -> Range<u32> {
+    region.row_start * width..region.row_end * width
+}
+
+impl PreparedMethod for BidirectionalPasses {
+    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
+        let mut total = Counters::default();
+        let paths =
+            match self.uses(Techniques::CAMERA) || self.uses(Techniques::CONNECT) || self.uses(Techniques::MERGE) {
+                true => self.light_paths(pass, pixels, &mut total, cancel)?,
+                false => LightPaths::default(),
+            };
+        let walk = self.camera_walk(pass);
+        let width = self.scene.width as usize;
+        let counters: Vec<Counters> = pixels
+            .par_chunks_mut(width)
+            .enumerate()
+            .map(|(row, tallies)| {
+                let (mut counters, mut own) = (Counters::default(), Vec::new());
+                if !cancel.load(Ordering::Relaxed) {
+                    for (column, tally) in tallies.iter_mut().enumerate() {
+                        self.trace_pixel(&walk, pass, &paths, row * width + column, &mut own, tally, &mut counters);
+                    }
+                }
+                counters
+            })
+            .collect();
+        counters.into_iter().for_each(|counters| total += counters);
+        (!cancel.load(Ordering::Relaxed)).then_some(total)
+    }
+
+    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+        if self.uses(Techniques::MERGE) {
+            return self.pilot.pilot(cancel);
+        }
+        // There is no radius to find; a pass tells what passes cost.
+        let radii = vec![1.0; self.scene.pixel_count()];
+        let region = Region { row_start: 0, row_end: self.scene.height };
+        let pass = Pass { index: u32::MAX, region, radius_squared: &radii, scale: 1.0, typical_radius_squared: 1.0 };
+        let counters = self.trace_pass(&pass, &mut vec![PixelTally::default(); radii.len()], cancel)?;
+        Some((radii, counters))
+    }
+}

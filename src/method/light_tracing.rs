@@ -1,0 +1,49 @@
+//! `light_tracing`: light subpaths whose every vertex is connected with the camera; nothing else but lamps that the camera sees
+//! directly. It finds caustics on matte surfaces better than any other unbiased method.
+//!
+//! References: Arvo 1986, "Backward ray tracing"; [V97] Veach 1997, 10.3 (the techniques with one camera vertex).
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | α | `Vertex::throughput` | W |
+//! | We | `Camera::pdf_solid_angle` times the pixels of the film | sr⁻¹ |
+//!
+//! Limits: whatever the camera sees in mirrors or through glass stays black.
+
+use std::sync::Arc;
+
+use super::bidirectional_parameters::{BidirectionalParameters, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
+use super::bidirectional_pass::BidirectionalPasses;
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use crate::scene::Scene;
+use crate::transport::bidirectional::Techniques;
+
+const NAME: &str = "light_tracing";
+const PARAMETERS: &[ParameterHelp] = &[MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
+
+/// The row of the table.
+pub const ENTRY: MethodEntry = MethodEntry {
+    name: NAME,
+    summary: "light subpaths connected with the camera, for what only they can sample",
+    cannot_sample: "anything that the camera sees in mirrors or through glass",
+    reference: "Arvo 1986; Veach 1997, chapter 10",
+    parameters: PARAMETERS,
+    check,
+    prepare,
+};
+
+fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
+    Techniques::CAMERA
+}
+
+fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
+}
+
+fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
+}

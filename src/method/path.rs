@@ -1,0 +1,63 @@
+//! `path`: path tracing. One camera path per pixel and pass goes on by the materials' own sampling until roulette ends it. At
+//! every surface a point of a light is sampled too, and lights that the path hits by chance count as well; each way can be
+//! switched off, and both together share light by multiple importance sampling. Every pass is unbiased.
+//!
+//! References: Kajiya 1986, "The rendering equation"; [V97] Veach 1997, "Robust Monte Carlo methods for light transport
+//! simulation", chapter 9; [Vo11] Vorba 2011, "Bidirectional photon mapping", eqs. 1.9–1.11.
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | T | `Vertex::throughput` of [Vo11, eq. 1.11] | – |
+//! | w | `Weighting::direct` and `Weighting::hit`, the heuristics of [V97, 9.2.2] | – |
+//!
+//! Limits: light that only mirrors or glass send to a surface is found when paths hit the lamp by chance: noisy from small lamps,
+//! never from point lights.
+
+use std::sync::Arc;
+
+use super::bidirectional_parameters::{BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
+use super::bidirectional_pass::BidirectionalPasses;
+use super::parameters::help;
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use crate::scene::Scene;
+use crate::transport::bidirectional::Techniques;
+
+const NAME: &str = "path";
+const PARAMETERS: &[ParameterHelp] = &[
+    help("light_sampling", "whether points of lights are sampled at every surface", "on, off", "on"),
+    help("material_sampling", "whether lights that the path hits by chance count", "on, off", "on"),
+    HEURISTIC,
+    MAX_DEPTH,
+    RR_DEPTH,
+    LENGTH,
+    PASSES,
+];
+
+/// The row of the table.
+pub const ENTRY: MethodEntry = MethodEntry {
+    name: NAME,
+    summary: "path tracing: light and material sampling combined",
+    cannot_sample: "caustics of point, spot and directional lights; small lamps behind glass are very noisy",
+    reference: "Kajiya 1986; Veach 1997, chapter 9",
+    parameters: PARAMETERS,
+    check,
+    prepare,
+};
+
+fn techniques(parameters: &BidirectionalParameters) -> Techniques {
+    Techniques::HIT
+        .with(Techniques::HIT, parameters.material_sampling.is_on())
+        .with(Techniques::DIRECT, parameters.light_sampling.is_on())
+}
+
+fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
+}
+
+fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
+}

@@ -1,0 +1,72 @@
+//! `vcm`: vertex connection and merging. Everything that `bdpt` and `pbdpm` do, with weights that know all of it. With `merge: off` it
+//! is `bdpt`, with `connect: off` it is `pbdpm` without photons that the camera sees.
+//!
+//! References: [G+12] Georgiev, Křivánek, Davidovič & Slusallek 2012, "Light transport simulation with vertex connection and
+//! merging"; [G12] Georgiev 2012, "Implementing vertex connection and merging".
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | s, t | vertices of the light and of the camera subpath | – |
+//! | η | `Weighting::acceptance`, π r² n | – |
+//! | d | `Sums` [G12, eqs. 31–36] | – |
+//!
+//! Limits: it does the work of both methods in every pass, which pays where neither alone finds all light well.
+
+use std::sync::Arc;
+
+use super::bidirectional_parameters::{
+    ALPHA, BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE,
+    RR_DEPTH, STRATEGY,
+};
+use super::bidirectional_pass::BidirectionalPasses;
+use super::parameters::help;
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use crate::scene::Scene;
+use crate::transport::bidirectional::Techniques;
+
+const NAME: &str = "vcm";
+const PARAMETERS: &[ParameterHelp] = &[
+    help("connect", "whether vertices are connected", "on, off", "on"),
+    help("merge", "whether vertices are merged", "on, off", "on"),
+    ALPHA,
+    RADIUS_RULE,
+    PHOTONS,
+    INITIAL_RADIUS,
+    HEURISTIC,
+    STRATEGY,
+    MAX_DEPTH,
+    RR_DEPTH,
+    LENGTH,
+    PASSES,
+];
+
+/// The row of the table.
+pub const ENTRY: MethodEntry = MethodEntry {
+    name: NAME,
+    summary: "vertex connection and merging: bdpt and pbdpm in one",
+    cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
+    reference: "Georgiev et al. 2012",
+    parameters: PARAMETERS,
+    check,
+    prepare,
+};
+
+fn techniques(parameters: &BidirectionalParameters) -> Techniques {
+    match parameters.connect.is_on() {
+        true => Techniques::ALL_CONNECTIONS,
+        false => Techniques::HIT,
+    }
+    .with(Techniques::MERGE, parameters.merge.is_on())
+}
+
+fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
+}
+
+fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
+    let techniques = techniques(&parameters);
+    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
+}

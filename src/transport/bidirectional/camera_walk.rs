@@ -1,0 +1,134 @@
+//! Camera subpaths.
+
+use super::selection::Selection;
+use super::vertex::{Vertex, reverse_pdf};
+use super::weights::{Densities, Sums, Techniques, Weighting};
+use crate::math::Rgb;
+use crate::math::random::{PathRandom, Stream, dimension};
+use crate::scene::Scene;
+use crate::scene::geometry::{Interaction, Ray};
+use crate::scene::material::{Lobes, TransportMode};
+use crate::transport::{Counters, Limits, shading};
+
+/// What all camera subpaths of a pass share.
+#[derive(Clone, Copy)]
+pub struct CameraWalk<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Limits on whole paths.
+    pub limits: Limits,
+    /// How techniques share a path.
+    pub weighting: Weighting,
+    /// Which paths count.
+    pub selection: Selection,
+    /// Job seed.
+    pub seed: u64,
+    /// Pass index.
+    pub pass: u32,
+}
+
+/// The last scattering of a walk.
+#[derive(Clone, Copy)]
+struct Last {
+    /// Density of the new direction by solid angle; 0 for a specular lobe.
+    pdf: f32,
+    /// Sums after the scattering, before the next segment.
+    sums: Sums,
+}
+
+impl CameraWalk<'_> {
+    /// The numbers of the camera subpath of a pixel.
+    #[inline]
+    pub fn random(&self, pixel: u32) -> PathRandom {
+        PathRandom::new(self.seed, Stream::Camera, self.pass, pixel)
+    }
+
+    /// Traces the camera subpath of `pixel` (counted in the picture); each vertex with a lobe that has a density is shown to
+    /// `visit`, which returns radiance. The radiance of all of them and of lights that were hit. `acceptance` is ηᵝ.
+    #[inline]
+    pub fn trace(
+        &self,
+        pixel: u32,
+        acceptance: f32,
+        counters: &mut Counters,
+        mut visit: impl FnMut(&Vertex, &PathRandom, &mut Counters) -> Rgb,
+    ) -> Rgb {
+        let scene = self.scene;
+        let random = self.random(pixel);
+        let mut ray = scene.camera_ray([pixel % scene.width, pixel / scene.width], random.block(dimension::CAMERA));
+        let (mut throughput, mut index_squared, mut radiance) = (Rgb::ONE, 1.0, Rgb::ZERO);
+        let mut last = Last { pdf: 0.0, sums: Sums::default() };
+        for segments in 1u32.. {
+            if !self.limits.allows(segments) {
+                break;
+            }
+            counters.rays += 1;
+            let found = scene.intersect(&ray);
+            radiance += throughput * self.emission(&ray, found.as_ref(), segments, &last, acceptance);
+            let Some(hit) = found else { break };
+            let sums = self.arrive(&hit, segments, &last);
+            let material = scene.material(hit.shape);
+            if material.lobes().any(Lobes::SMOOTH) {
+                radiance += visit(&Vertex { hit, throughput, sums, segments }, &random, counters);
+            }
+            let u = random.block(dimension::scattering(segments));
+            let view = shading::view(&hit, TransportMode::Radiance);
+            let Some(scattering) = shading::scatter(&hit, material, &view, [u[0], u[1], u[2]]) else { break };
+            let sample = &scattering.sample;
+            throughput *= scattering.weight;
+            index_squared *= sample.relative_index * sample.relative_index;
+            // Refraction scales radiance, which is no loss.
+            let survival = self.limits.survival(segments, throughput.max_element() * index_squared);
+            if u[3] >= survival {
+                break;
+            }
+            throughput /= survival;
+            let cosine = scattering.direction.dot(hit.geometric_normal).abs();
+            let sums = if sample.is_specular() {
+                self.weighting.scatter_specular(&sums, cosine)
+            } else {
+                let reverse = reverse_pdf(scene, &hit, &view, sample.direction);
+                self.weighting.scatter(&sums, Densities { forward: sample.pdf, reverse }, cosine)
+            };
+            last = Last { pdf: sample.pdf, sums };
+            ray = hit.ray_to(scattering.direction);
+        }
+        radiance
+    }
+
+    #[inline]
+    fn arrive(&self, hit: &Interaction, segments: u32, last: &Last) -> Sums {
+        let cosine = hit.outgoing.dot(hit.geometric_normal).abs();
+        if segments > 1 {
+            return self.weighting.arrive(&last.sums, hit.distance * hit.distance, cosine);
+        }
+        let camera = &self.scene.camera;
+        let pdf = camera.pdf_solid_angle(-hit.outgoing) * self.scene.film.whole_pixel_count();
+        let distance = hit.distance + camera.near_distance(-hit.outgoing);
+        self.weighting.start_camera(pdf, distance * distance, cosine)
+    }
+
+    /// The share of this technique in the radiance that a light sends along the last segment.
+    #[inline]
+    fn emission(&self, ray: &Ray, hit: Option<&Interaction>, segments: u32, last: &Last, acceptance: f32) -> Rgb {
+        let lights = &self.scene.lights;
+        let arriving = match hit {
+            Some(hit) => lights.emitted(&self.scene.geometry, ray.origin, hit),
+            None => lights.environment(ray.direction),
+        };
+        let Some((radiance, sampled)) = arriving else { return Rgb::ZERO };
+        let takes_part = segments == 1 || self.weighting.techniques.any(Techniques::HIT);
+        if !takes_part || !self.selection.takes(segments, 0, segments + 1) {
+            return Rgb::ZERO;
+        }
+        // Lights that are seen directly can be found in no other way.
+        if segments == 1 {
+            return radiance;
+        }
+        let (sums, emitted) = match hit {
+            Some(hit) => (self.arrive(hit, segments, last), lights.emission_pdf(&self.scene.geometry, hit)),
+            None => (last.sums, sampled * lights.environment_emission_ratio()),
+        };
+        radiance * self.weighting.hit(&sums, last.pdf, sampled, emitted, acceptance)
+    }
+}

@@ -1,0 +1,170 @@
+//! Making one path of two subpaths.
+
+use super::camera_walk::CameraWalk;
+use super::light_walk::LightWalk;
+use super::selection::Selection;
+use super::stored_vertex::StoredVertex;
+use super::vertex::Vertex;
+use super::weights::{Sums, Weighting};
+use crate::math::random::{PathRandom, dimension};
+use crate::math::{Rgb, Vec2, Vec3};
+use crate::scene::Scene;
+use crate::scene::geometry::Ray;
+use crate::scene::material::{Lobes, TransportMode};
+use crate::transport::Counters;
+use crate::transport::direct_light::SHADOW_END;
+use crate::transport::photon_map::{GatherQuery, PhotonMap};
+
+/// Whether nothing is between `vertex` and the end of a segment of length `distance` in `direction`.
+#[inline]
+fn is_open(scene: &Scene, vertex: &Vertex, direction: Vec3, distance: f32, counters: &mut Counters) -> bool {
+    counters.rays += 1;
+    let origin = vertex.hit.offset_towards(direction);
+    !scene.geometry.is_blocked(&Ray { origin, direction, length: distance * SHADOW_END })
+}
+
+/// Radiance by a sampled point of a light at a camera vertex [Veach 1997, 10.3: one light vertex].
+#[inline]
+pub fn direct_light(
+    walk: &CameraWalk<'_>,
+    camera: &Vertex,
+    random: &PathRandom,
+    acceptance: f32,
+    counters: &mut Counters,
+) -> Rgb {
+    let scene = walk.scene;
+    let segments = camera.segments + 1;
+    if !walk.limits.allows(segments) || !walk.selection.takes(segments, 1, camera.segments + 1) {
+        return Rgb::ZERO;
+    }
+    let u = random.block(dimension::light(camera.segments));
+    let origin = camera.hit.offset_towards(camera.hit.outgoing);
+    let Some(light) = scene.lights.sample_direct(&scene.geometry, origin, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
+    let Some(reflected) = camera.reflect(scene, TransportMode::Radiance, light.direction) else { return Rgb::ZERO };
+    let carried = camera.throughput * reflected.value * light.weighted_radiance;
+    if carried == Rgb::ZERO || !is_open(scene, camera, light.direction, light.distance, counters) {
+        return Rgb::ZERO;
+    }
+    carried * walk.weighting.direct(&camera.sums, reflected.pdf, reflected.cosine, &light, acceptance)
+}
+
+/// Radiance by connecting a camera vertex with the vertex of a light subpath [Veach 1997, 10.3: two light vertices or more].
+#[inline]
+pub fn connect(
+    walk: &CameraWalk<'_>,
+    camera: &Vertex,
+    light: &Vertex,
+    acceptance: f32,
+    counters: &mut Counters,
+) -> Rgb {
+    let segments = camera.segments + light.segments + 1;
+    let takes = walk.selection.takes(segments, light.segments + 1, camera.segments + 1);
+    if !walk.limits.allows(segments) || !takes {
+        return Rgb::ZERO;
+    }
+    let between = light.hit.position - camera.hit.position;
+    let distance_squared = between.length_squared();
+    let distance = distance_squared.sqrt();
+    let direction = between / distance;
+    let Some(at_camera) = camera.reflect(walk.scene, TransportMode::Radiance, direction) else { return Rgb::ZERO };
+    let Some(at_light) = light.reflect(walk.scene, TransportMode::Flux, -direction) else { return Rgb::ZERO };
+    // Of the geometry factor one cosine is in each of the values.
+    let carried = camera.throughput * at_camera.value * at_light.value * light.throughput / distance_squared;
+    if !carried.is_finite() || !is_open(walk.scene, camera, direction, distance, counters) {
+        return Rgb::ZERO;
+    }
+    let weight = walk.weighting.connection(
+        [&camera.sums, &light.sums],
+        [at_camera.pdf, at_light.pdf],
+        [at_camera.cosine, at_light.cosine],
+        distance_squared,
+        acceptance,
+    );
+    carried * weight
+}
+
+/// A vertex of a light subpath as the camera sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct SeenVertex {
+    /// Place in the whole film, (0, 0) top left to (1, 1) bottom right.
+    pub film: Vec2,
+    /// Radiance of a pixel that the place lies in, times the number of light subpaths; without the weight.
+    pub radiance: Rgb,
+    /// The density by area with which a camera subpath of that pixel finds the vertex.
+    density: f32,
+    reverse: f32,
+    sums: Sums,
+}
+
+impl SeenVertex {
+    /// The weight for a pixel with ηᵝ = `acceptance`.
+    #[inline]
+    pub fn weight(&self, weighting: &Weighting, acceptance: f32) -> f32 {
+        weighting.to_camera(&self.sums, self.density, self.reverse, acceptance)
+    }
+}
+
+/// Connects the vertex of a light subpath with the camera [Veach 1997, 10.3: one camera vertex]; `None` where the camera does
+/// not see it.
+#[inline]
+pub fn to_camera(
+    walk: &LightWalk<'_>,
+    selection: &Selection,
+    light: &Vertex,
+    lens: [f32; 2],
+    counters: &mut Counters,
+) -> Option<SeenVertex> {
+    let scene = walk.scene;
+    let segments = light.segments + 1;
+    if !walk.limits.allows(segments) || !selection.takes(segments, light.segments + 1, 1) {
+        return None;
+    }
+    let seen = scene.camera.look_at(light.hit.position, lens).filter(|seen| scene.film.reaches(seen.film))?;
+    let reflected = light.reflect(scene, TransportMode::Flux, seen.direction)?;
+    let by_area = seen.pdf_solid_angle * scene.film.whole_pixel_count() / (seen.distance * seen.distance);
+    // One cosine is in the value.
+    let radiance = light.throughput * reflected.value * by_area;
+    if radiance == Rgb::ZERO || !is_open(scene, light, seen.direction, seen.visible_distance, counters) {
+        return None;
+    }
+    let density = by_area * reflected.cosine;
+    Some(SeenVertex { film: seen.film, radiance, density, reverse: reflected.pdf.reverse, sums: light.sums })
+}
+
+/// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`; photons of `map` hold indices into
+/// `vertices` in place of directions.
+#[inline]
+pub fn merge(
+    walk: &CameraWalk<'_>,
+    camera: &Vertex,
+    map: &PhotonMap,
+    vertices: &[StoredVertex],
+    radius_squared: f32,
+    acceptance: f32,
+) -> (Rgb, f32) {
+    let hit = &camera.hit;
+    let facing = hit.outgoing.dot(hit.geometric_normal);
+    let query = GatherQuery {
+        position: hit.position,
+        normal: if facing < 0.0 { -hit.geometric_normal } else { hit.geometric_normal },
+        radius_squared,
+        most_segments: walk.limits.most_photon_segments(camera.segments),
+        caustics_only: false,
+        both_sides: walk.scene.material(hit.shape).lobes().any(Lobes::TRANSMISSIVE),
+    };
+    let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
+    map.visit(&query, |photon| {
+        let light = &vertices[photon.direction as usize];
+        if !walk.selection.takes(camera.segments + light.segments(), light.segments(), camera.segments) {
+            return;
+        }
+        photons += 1.0;
+        let direction = light.direction();
+        let Some(reflected) = camera.reflect(walk.scene, TransportMode::Radiance, direction) else { return };
+        let weight = walk.weighting.merged([&camera.sums, &light.sums()], reflected.pdf, acceptance);
+        // Photons carry their cosine already.
+        let cosine = direction.dot(hit.frame.normal).abs();
+        flux += reflected.value * Rgb::from_array(photon.flux) * (weight / cosine);
+    });
+    (camera.throughput * flux, photons)
+}
