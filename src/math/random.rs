@@ -47,6 +47,15 @@ impl PathRandom {
     }
 }
 
+/// Point `index` of `count` that are spread evenly over the unit square (Hammersley's), all shifted by two numbers in
+/// [0, 1) round its borders: with a random shift each alone is uniform.
+#[inline]
+pub fn spread(shift: [f32; 2], index: u32, count: u32) -> [f32; 2] {
+    let wrapped = |value: f32| if value >= 1.0 { value - 1.0 } else { value };
+    let radical_inverse = (index.reverse_bits() >> 8) as f32 * (1.0 / 16_777_216.0);
+    [wrapped(shift[0] + index as f32 / count as f32), wrapped(shift[1] + radical_inverse)]
+}
+
 /// Which block of a path's numbers decides what. A vertex owns two blocks: scattering and light sampling.
 pub mod dimension {
     /// Pixel position (2 numbers) and lens position (2).

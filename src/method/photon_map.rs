@@ -47,7 +47,7 @@ use super::photon_pass::{PILOT_PASS, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
-use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::random::{PathRandom, Stream, dimension, spread};
 use crate::scene::Scene;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::density_estimate::DensityEstimate;
@@ -328,15 +328,22 @@ impl Gathering<'_> {
         if rays == 0 {
             return at.throughput * self.look_up(&self.method.global, &self.maps.global, at);
         }
-        let sum: Rgb = (0..rays).map(|ray| self.gather_ray(at, &random.branch(ray), counters)).sum();
+        let [shift_x, shift_y, ..] = random.block(dimension::scattering(at.segments));
+        let sum: Rgb = (0..rays)
+            .map(|ray| {
+                let random = random.branch(ray);
+                let [_, _, lobe, roulette] = random.block(dimension::scattering(at.segments));
+                let [x, y] = spread([shift_x, shift_y], ray, rays);
+                self.gather_ray(at, [x, y, lobe, roulette], &random, counters)
+            })
+            .sum();
         sum / rays as f32
     }
 
-    /// Indirect light along one ray that is sampled at `from`, as the camera sees it.
-    fn gather_ray(&mut self, from: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
+    /// Indirect light along one ray that is sampled at `from` with `u`, as the camera sees it.
+    fn gather_ray(&mut self, from: &GatherPoint, u: [f32; 4], random: &PathRandom, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, global, .. } = self.method;
         let material = scene.material(from.hit.shape);
-        let u = random.block(dimension::scattering(from.segments));
         let Some(scattering) = shading::scatter(&from.hit, material, &from.view(), [u[0], u[1], u[2]]) else {
             return Rgb::ZERO;
         };
@@ -352,7 +359,10 @@ impl Gathering<'_> {
             }
             if !at.goes_on {
                 *seen += match is_near {
-                    true => self.gather_ray(at, random, counters),
+                    true => {
+                        let u = random.block(dimension::scattering(at.segments));
+                        self.gather_ray(at, u, random, counters)
+                    }
                     false => at.throughput * self.look_up(global, &self.maps.global, at),
                 };
             }
