@@ -81,7 +81,7 @@ const PARAMETERS: &[ParameterHelp] = &[
         "auto: one per pixel, 65536 to 1048576",
     ),
     help("neighbors", "nearest photons in a look-up of the global map", "2 to 65536", "20"),
-    help("caustic_neighbors", "nearest photons in a look-up of the caustic map", "2 to 65536", "20"),
+    help("caustic_neighbors", "nearest photons in a look-up of the caustic map", "2 to 65536", "10"),
     help(
         "largest_radius",
         "largest radius of a look-up, m; gather rays shorter than it go on",
@@ -115,7 +115,7 @@ impl Default for Parameters {
         Self {
             photons_per_pass: "auto".into(),
             neighbors: 20,
-            caustic_neighbors: 20,
+            caustic_neighbors: 10,
             largest_radius: "auto".into(),
             kernel: Kernel::default(),
             final_gather: 4,
