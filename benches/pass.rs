@@ -27,16 +27,17 @@ fn glass_box() -> Arc<Scene> {
     Arc::new(Scene::prepare(&description).expect("own scene"))
 }
 
-#[divan::bench(sample_count = 20, sample_size = 1)]
-fn pass_of_512_by_512_pixels_and_262144_photons(bencher: Bencher<'_, '_>) {
+/// 512 × 512 camera paths and 262,144 photons or light subpaths.
+#[divan::bench(sample_count = 20, sample_size = 1, args = ["sppm", "ppm", "path", "bdpt", "light_tracing", "pbdpm", "vcm"])]
+fn pass_of_512_by_512_pixels(bencher: Bencher<'_, '_>, method: &str) {
     let scene = glass_box();
-    let choice = MethodChoice { name: "sppm".to_owned(), parameters: serde_json::Map::new() };
+    let choice = MethodChoice { name: method.to_owned(), parameters: serde_json::Map::new() };
     let checked = method::check(&choice, scene.pixel_count() as u64).expect("defaults");
     let renderer = Renderer::new(scene.clone(), &checked, 0).expect("defaults");
     let go_on = AtomicBool::new(false);
     let region = Region { row_start: 0, row_end: scene.height };
     let first = renderer.pilot(&go_on).expect("not cancelled").radius_squared;
-    let estimate = Estimate::new(scene.width, scene.height, &[region], &first, RadiusRule::Statistics, 2.0 / 3.0);
+    let estimate = Estimate::new(scene.width, scene.height, &[region], &first, checked.radius_rule, checked.alpha);
     let field = estimate.radius_field(region);
     bencher.bench_local(|| {
         let shard = Shard { first_pass: black_box(8), passes: 1, region };

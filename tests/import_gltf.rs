@@ -5,6 +5,8 @@ mod gltf_file;
 
 use std::fs;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use glam::{DMat4, DVec3, Vec3};
 use gltf_file::{GltfFile, Numbers};
 use photonfarm::math::Vec2;
@@ -511,4 +513,37 @@ fn a_scene_without_light_gets_white_surroundings() {
     assert_eq!(emitters(lit), (vec!["point".to_owned()], false));
     let scene = load(&with_material(&json!({"emissiveFactor": [1, 1, 1]})));
     assert!(all(&scene, PluginClass::Emitter).is_empty(), "the triangle itself emits");
+}
+
+/// Blender writes an image that was never painted, for example.
+#[test]
+fn black_lights_are_no_lights() {
+    let image = |shade: u8| {
+        let mut file = std::io::Cursor::new(Vec::new());
+        let pixels = image::RgbImage::from_pixel(2, 2, image::Rgb([shade; 3]));
+        pixels.write_to(&mut file, image::ImageFormat::Png).expect("images can be written");
+        format!("data:image/png;base64,{}", STANDARD.encode(file.into_inner()))
+    };
+    let light = |material: Value, shade: u8, intensity: f64| {
+        let mut file = GltfFile::new(json!({
+            "nodes": [{"mesh": 0}, {"mesh": 0}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
+            "materials": [material], "textures": [{"source": 0}], "images": [{"uri": image(shade)}],
+            "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": intensity}]}},
+        }));
+        file.accessor("VEC3", Numbers::F32(&[0., 0., 0., 1., 0., 0., 0., 1., 0.]));
+        file.accessor("VEC2", Numbers::F32(&[0., 0., 1., 0., 0., 1.]));
+        let scene = load(&file);
+        Scene::prepare(&scene).unwrap_or_else(|error| panic!("{error}"));
+        match notices(&scene).contains("the missing light is approximated") {
+            true => "the surroundings",
+            false => "the file",
+        }
+    };
+    let shining = json!({"emissiveFactor": [0.4, 0.5, 0.6], "emissiveTexture": {"index": 0}});
+    assert_eq!(light(shining.clone(), 0, 0.0), "the surroundings", "its image is black");
+    assert_eq!(light(shining.clone(), 1, 0.0), "the file");
+    assert_eq!(light(shining, 0, 1.0), "the file");
+    assert_eq!(light(json!({}), 0, 0.0), "the surroundings", "the point light has no intensity");
+    assert_eq!(light(json!({"emissiveFactor": [0, 0, 1]}), 0, 0.0), "the file");
 }

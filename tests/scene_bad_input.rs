@@ -5,6 +5,7 @@
 mod scene_text;
 
 use std::fmt::Write as _;
+use std::time::Instant;
 
 use photonfarm::method::{MethodChoice, check};
 use photonfarm::scene::import::load_bytes;
@@ -72,6 +73,15 @@ fn shapes_that_cannot_be() {
             "$<shape type='cube'><transform name='to_world'><scale value='1e39'/></transform></shape>",
         ),
         (
+            "disk that reaches too far",
+            "$<shape type='disk'><transform name='to_world'><scale x='1.8e19'/></transform></shape>",
+        ),
+        (
+            "instance that reaches too far",
+            "$<shape type='shapegroup' id='g'><shape type='cube'/></shape>\
+             <shape type='instance'><ref id='g'/><transform name='to_world'><translate x='-2e18'/></transform></shape>",
+        ),
+        (
             "perspective as a place",
             "$<shape type='cube'><transform name='to_world'><matrix value='1 0 0 0  0 1 0 0  0 0 1 0  0 0 1 1'/></transform></shape>",
         ),
@@ -80,6 +90,27 @@ fn shapes_that_cannot_be() {
         ("parameter of another type", "$<shape type='sphere'><string name='radius' value='one'/></shape>"),
     ];
     insta::assert_snapshot!(report(&cases, &[]));
+}
+
+/// Where all neighbours look alike, a tree that is built from below has nothing to choose by.
+#[test]
+fn equal_triangles_do_not_take_forever() {
+    let mesh = |step: usize| {
+        let mut text = String::new();
+        for index in 0..40_000 {
+            let x = 2 * step * index;
+            writeln!(text, "v {x} 0 0\nv {} 0 0\nv {x} 1 0\nf -3 -2 -1", x + 1).unwrap();
+        }
+        text
+    };
+    for step in [0, 1] {
+        let began = Instant::now();
+        let shape = "<shape type='obj'><string name='filename' value='a.obj'/></shape>";
+        let scene = prepare(&format!("{SENSOR}{LIGHT}{shape}"), &[("a.obj", mesh(step))]);
+        assert!(scene.is_ok(), "{:?}", scene.err());
+        // It takes half a second; it took minutes.
+        assert!(began.elapsed().as_secs() < 30, "{:?}", began.elapsed());
+    }
 }
 
 #[test]
@@ -252,7 +283,7 @@ fn pictures_that_cannot_be() {
 #[test]
 fn parameters_that_cannot_be() {
     let cases = [
-        ("path", "{}"),
+        ("pth", "{}"),
         ("spppm", "{}"),
         ("sppm", r#"{"alpha": 0}"#),
         ("sppm", r#"{"alpha": 1}"#),
@@ -272,6 +303,13 @@ fn parameters_that_cannot_be() {
         ("sppm", r#"{"photon_per_pass": 1000}"#),
         ("sppm", r#"{"samples_per_pixel": 4}"#),
         ("ppm", r#"{"samples_per_pixel": 0}"#),
+        ("path", r#"{"light_sampling": "maybe"}"#),
+        ("path", r#"{"alpha": 0.5}"#),
+        ("bdpt", r#"{"strategy": "2"}"#),
+        ("bdpt", r#"{"length": 0}"#),
+        ("bdpm", r#"{"weights": "good"}"#),
+        ("pbdpm", r#"{"alpha": 1.5}"#),
+        ("vcm", r#"{"heuristic": "maximum"}"#),
     ];
     let mut report = String::new();
     for (method, text) in cases {

@@ -18,6 +18,12 @@ pub(super) struct JobOptions {
     /// Method parameter: a JSON value, or else text. May be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
     settings: Vec<(String, serde_json::Value)>,
+    /// Only paths of so many segments; short for --set length=N.
+    #[arg(long, value_name = "N")]
+    length: Option<u16>,
+    /// Only paths of so many light and camera vertices; short for --set strategy=S,T.
+    #[arg(long, value_name = "S,T")]
+    strategy: Option<String>,
     /// Stop after this many passes.
     #[arg(long)]
     passes: Option<u32>,
@@ -35,11 +41,13 @@ pub(super) struct JobOptions {
 impl JobOptions {
     /// The request for a scene that was uploaded as `scene`.
     pub(super) fn submission(&self, scene: String) -> JobSubmission {
+        let length = self.length.map(|length| ("length".to_owned(), length.into()));
+        let strategy = self.strategy.clone().map(|strategy| ("strategy".to_owned(), strategy.into()));
         JobSubmission {
             scene: Some(scene),
             scene_inline: None,
             method: self.method.clone(),
-            parameters: self.settings.iter().cloned().collect(),
+            parameters: self.settings.iter().cloned().chain(length).chain(strategy).collect(),
             stop: StopRule { passes: self.passes, seconds: self.seconds },
             seed: self.seed,
         }

@@ -15,6 +15,7 @@ use super::job_options::define;
 use super::{scene_file, terminal};
 use crate::farm::job::{JobRequest, StopRule};
 use crate::farm::request::{ResolvedMethod, resolve_method};
+use crate::method::SceneTraits;
 use crate::scene::description::{Node, PluginClass, SceneDescription};
 use crate::scene::import::load_file;
 use crate::scene::prepare::Scene as PreparedScene;
@@ -61,7 +62,7 @@ impl Check {
         let scene = PreparedScene::prepare(&description)?;
         let built = start.elapsed() - read;
         let pixels = u64::from(scene.width) * u64::from(scene.height);
-        let method = resolve_method(&default_request(), scene.integrator.as_ref(), pixels)
+        let method = resolve_method(&default_request(), scene.integrator.as_ref(), pixels, SceneTraits::of(&scene))
             .map_err(|error| CliError::BadInput(error.to_string()))?;
         let found = Found { contents: contents(&description), description, scene, method, read, built };
         let text = if self.json { found.json() } else { found.table() };

@@ -19,6 +19,7 @@ use super::request;
 use super::schedule::Schedule;
 use super::wire::lease::JobDescription;
 use crate::estimate::Picture;
+use crate::method::SceneTraits;
 use crate::render::first_surface::FirstSurface;
 use crate::scene::error::SceneError;
 use crate::scene::{Integrator, Scene};
@@ -87,6 +88,7 @@ pub(super) struct State {
 
 struct SceneRecord {
     summary: SceneSummary,
+    traits: SceneTraits,
     integrator: Option<Integrator>,
     bytes: Arc<[u8]>,
     seen_first: SeenFirst,
@@ -283,6 +285,7 @@ impl Shared {
         let record = SceneRecord {
             summary: summary.clone(),
             integrator: scene.integrator.clone(),
+            traits: SceneTraits::of(&scene),
             bytes: bytes.into(),
             seen_first: SeenFirst::default(),
         };
@@ -294,7 +297,7 @@ impl Shared {
         let scene = self.scene(&request.scene)?;
         let (width, height) = (scene.summary.width, scene.summary.height);
         let pixels = u64::from(width) * u64::from(height);
-        let resolved = request::resolve_method(request, scene.integrator.as_ref(), pixels)?;
+        let resolved = request::resolve_method(request, scene.integrator.as_ref(), pixels, scene.traits)?;
         let stop = request::resolve_stop(request.stop, &resolved.method)?;
         let notices = scene.summary.notices.iter().cloned().chain(resolved.notices).collect();
         let mut state = self.lock();

@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 
 use super::error::FarmError;
 use super::job::{JobRequest, StopRule};
-use crate::method::{self, CheckedMethod, MethodChoice, MethodError};
+use crate::method::{self, CheckedMethod, MethodChoice, MethodError, SceneTraits};
 use crate::scene::Integrator;
 
 /// The method of a scene and a request that name none.
@@ -13,6 +13,15 @@ const DEFAULT_METHOD: &str = "sppm";
 /// picture, and what suits path tracing does not suit photons.
 const SHARED_PARAMETERS: [&str; 1] = ["max_depth"];
 const PASSES_LIMIT: u32 = 1 << 31;
+/// Mitsuba's integrators that are methods here under another name.
+const COUNTERPARTS: [(&str, &str); 3] =
+    [("ptracer", "light_tracing"), ("volpath", "path"), ("photonmapper", "photon_map")];
+/// Parameters of Mitsuba's integrators that methods here do not have, and what happens instead.
+const PASSED_OVER: [(&str, &str); 3] = [
+    ("hide_emitters", "lamps are always seen"),
+    ("strict_normals", "directions that shading normals and surfaces disagree on are always dark"),
+    ("samples_per_pass", "the farm cuts passes into shards by itself"),
+];
 
 /// A method that was checked, and what the user should know of the choice.
 pub struct ResolvedMethod {
@@ -27,17 +36,48 @@ pub fn resolve_method(
     request: &JobRequest,
     integrator: Option<&Integrator>,
     pixels: u64,
+    traits: SceneTraits,
 ) -> Result<ResolvedMethod, FarmError> {
+    let (integrator, mut notices) = integrator.map_or((None, Vec::new()), |integrator| {
+        let (integrator, notices) = without_passed_over(integrator);
+        (Some(integrator), notices)
+    });
+    let integrator = integrator.as_ref();
     let wanted = integrator.map_or(DEFAULT_METHOD, |integrator| integrator.name.as_str());
     let check = |name: &str| method::check(&choice(name, request, integrator), pixels);
-    match (&request.method, check(request.method.as_deref().unwrap_or(wanted))) {
-        (_, Ok(method)) => Ok(ResolvedMethod { method, notices: Vec::new() }),
+    let method = match (&request.method, check(request.method.as_deref().unwrap_or(wanted))) {
+        (_, Ok(method)) => {
+            // A method that the user chose does not have the integrator's parameters.
+            if request.method.is_some() {
+                notices.clear();
+            }
+            method
+        }
         (None, Err(MethodError::Unknown { name, .. })) if name != DEFAULT_METHOD => {
             let notice = format!("The scene's integrator \"{name}\" is not a method here; {DEFAULT_METHOD} is used.");
-            Ok(ResolvedMethod { method: check(DEFAULT_METHOD)?, notices: vec![notice] })
+            notices = vec![notice];
+            check(DEFAULT_METHOD)?
         }
-        (_, Err(problem)) => Err(problem.into()),
+        (_, Err(problem)) => return Err(problem.into()),
+    };
+    notices.extend(method::blind_spot(&method, traits));
+    Ok(ResolvedMethod { method, notices })
+}
+
+/// The integrator under the name that it has here, without parameters that are passed over, and what to say of those.
+fn without_passed_over(integrator: &Integrator) -> (Integrator, Vec<String>) {
+    let mut own = integrator.clone();
+    if let Some((_, here)) = COUNTERPARTS.iter().find(|(theirs, _)| *theirs == own.name) {
+        own.name = (*here).to_owned();
     }
+    let mut notices = Vec::new();
+    for (name, instead) in PASSED_OVER {
+        // Where it is off it asks for what happens anyway.
+        if own.parameters.remove(name).is_some_and(|value| value != Value::Bool(false)) {
+            notices.push(format!("The integrator's \"{name}\" is passed over: {instead}."));
+        }
+    }
+    (own, notices)
 }
 
 /// The scene's parameters as far as they are meant for `name`, overridden by the request's.

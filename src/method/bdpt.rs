@@ -20,7 +20,7 @@ use super::bidirectional_parameters::{
     BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH, STRATEGY,
 };
 use super::bidirectional_pass::BidirectionalPasses;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::Techniques;
 
@@ -34,12 +34,19 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "light of point, spot and directional lights through glass onto what glass or mirrors show",
     reference: "Lafortune & Willems 1993; Veach 1997, chapter 10",
     parameters: PARAMETERS,
+    blind_to,
     check,
     prepare,
 };
 
 fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
     Techniques::ALL_CONNECTIONS
+}
+
+fn blind_to(_: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
+    (traits.point_lights && traits.specular)
+        .then_some("light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
+                    glass; sppm and vcm do")
 }
 
 fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {

@@ -76,7 +76,7 @@ impl Default for BidirectionalParameters {
             light_hits: Switch::On,
             camera_hits: Switch::On,
             weights: Weights::Consistent,
-            heuristic: Heuristic::Power,
+            heuristic: Heuristic::Balance,
             max_depth: -1,
             rr_depth: 4,
             length: "all".into(),
@@ -98,7 +98,7 @@ pub const LENGTH: ParameterHelp = help("length", "only paths of so many segments
 pub const PASSES: ParameterHelp = help("passes", "passes when no stop rule is given", "1 to 2147483648", "256");
 /// For methods with more than one technique.
 pub const HEURISTIC: ParameterHelp =
-    help("heuristic", "how densities of techniques become weights", "balance, power", "power");
+    help("heuristic", "how densities of techniques become weights", "balance, power", "balance");
 /// For methods with light subpaths.
 pub const STRATEGY: ParameterHelp = help(
     "strategy",
@@ -111,7 +111,7 @@ pub const PHOTONS: ParameterHelp = help(
     "photons_per_pass",
     "light subpaths per pass",
     "1 to 67108864, auto",
-    "auto: one per pixel, 65536 to 1048576; where subpaths are connected always one per pixel",
+    "auto: one per pixel, 65536 to 1048576; always one per pixel where nothing is merged",
 );
 /// For methods that merge.
 pub const INITIAL_RADIUS: ParameterHelp =
@@ -168,16 +168,15 @@ impl BidirectionalParameters {
         techniques: Techniques,
         pixels: u64,
     ) -> CheckedMethod {
-        // Each camera subpath is connected with one light subpath.
-        let per_pixel = techniques.any(Techniques::CONNECT) || !techniques.any(Techniques::MERGE);
+        let merges = techniques.any(Techniques::MERGE);
         let photons_per_pass = match photon_count(&self.photons_per_pass) {
-            Some(Auto::Value(count)) if !per_pixel => count,
-            _ if per_pixel => pixels as u32,
-            _ => pixels.clamp(1 << 16, 1 << 20) as u32,
+            Some(Auto::Value(count)) if merges => count,
+            _ if merges => pixels.clamp(1 << 16, 1 << 20) as u32,
+            _ => pixels as u32,
         };
         self.photons_per_pass = photons_per_pass.into();
         let progressive = known.iter().any(|parameter| parameter.name == ALPHA.name);
-        let (radius_rule, alpha) = match techniques.any(Techniques::MERGE) {
+        let (radius_rule, alpha) = match merges {
             true if progressive => (self.radius_rule, self.alpha),
             // A schedule that keeps every photon keeps the radius.
             _ => (RadiusRule::Schedule, 1.0),

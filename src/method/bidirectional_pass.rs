@@ -19,8 +19,8 @@ use crate::math::Rgb;
 use crate::math::random::dimension;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
-    CameraWalk, LightWalk, Selection, StoredVertex, Techniques, Vertex, Weighting, connect, direct_light, merge,
-    to_camera,
+    CameraWalk, LightWalk, MergeRecord, Selection, StoredVertex, Techniques, Vertex, Weighting, connect, direct_light,
+    merge, merge_records, to_camera,
 };
 use crate::transport::photon_map::{Grid, Photon, PhotonChunk, PhotonMap};
 use crate::transport::photon_tracing::stored;
@@ -60,6 +60,7 @@ struct LightPaths {
     vertices: Vec<StoredVertex>,
     ends: Vec<u32>,
     map: Option<PhotonMap>,
+    records: Vec<MergeRecord>,
 }
 
 impl LightPaths {
@@ -197,6 +198,9 @@ impl BidirectionalPasses {
             paths.ends.extend(chunk.ends.iter().map(|end| first + end));
             paths.vertices.extend(chunk.vertices);
         }
+        if let Some(map) = &paths.map {
+            paths.records = merge_records(map, &paths.vertices);
+        }
         Some(paths)
     }
 
@@ -230,7 +234,8 @@ impl BidirectionalPasses {
         let acceptance = self.acceptance(pass, pixel);
         own.clear();
         if self.uses(Techniques::CONNECT) {
-            own.extend(paths.vertices[paths.range(index as usize)].iter().map(StoredVertex::unpack));
+            let path = (index % self.light_paths) as usize;
+            own.extend(paths.vertices[paths.range(path)].iter().map(StoredVertex::unpack));
         }
         let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
         let radiance = walk.trace(index, acceptance, counters, |camera, random, counters| {
@@ -243,7 +248,7 @@ impl BidirectionalPasses {
             }
             if let Some(map) = &paths.map {
                 let radius_squared = pass.radius_squared[pixel] * pass.scale;
-                let found = merge(walk, camera, map, &paths.vertices, radius_squared, acceptance);
+                let found = merge(walk, camera, map, &paths.records, radius_squared, acceptance);
                 flux += found.0;
                 photons += found.1;
             }

@@ -14,7 +14,7 @@ use std::sync::Arc;
 
 use super::bidirectional_parameters::{BidirectionalParameters, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
 use super::bidirectional_pass::BidirectionalPasses;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::Techniques;
 
@@ -28,12 +28,17 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "anything that the camera sees in mirrors or through glass",
     reference: "Arvo 1986; Veach 1997, chapter 10",
     parameters: PARAMETERS,
+    blind_to,
     check,
     prepare,
 };
 
 fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
     Techniques::CAMERA
+}
+
+fn blind_to(_: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
+    traits.specular.then_some("what is seen in mirrors or through glass, which stays black; sppm, vcm and bdpt do")
 }
 
 fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {

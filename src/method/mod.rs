@@ -23,6 +23,7 @@ use serde::{Deserialize, Serialize};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::scene::Scene;
 use crate::scene::error::nearest_name;
+use crate::scene::material::Lobes;
 use crate::transport::Counters;
 
 pub use parameters::ParameterHelp;
@@ -39,6 +40,8 @@ pub struct MethodEntry {
     pub reference: &'static str,
     /// Its parameters.
     pub parameters: &'static [ParameterHelp],
+    /// Light of a scene with such traits that it never finds, if there is any, and methods that do.
+    blind_to: fn(&CheckedMethod, SceneTraits) -> Option<&'static str>,
     /// Checks parameters for a picture of so many pixels and writes every default out.
     check: fn(&MethodChoice, u64) -> Result<CheckedMethod, MethodError>,
     /// Prepares the method for a scene.
@@ -60,6 +63,30 @@ pub const METHODS: &[MethodEntry] = &[
     pbdpm::ENTRY,
     vcm::ENTRY,
 ];
+
+/// What of a scene decides whether a method finds all its light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneTraits {
+    /// Lights that directions never hit: point, spot and directional ones.
+    pub point_lights: bool,
+    /// Mirrors, glass and other perfectly specular surfaces.
+    pub specular: bool,
+}
+
+impl SceneTraits {
+    /// Looks at a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            point_lights: scene.lights.lights().iter().any(|light| !light.has_extent()),
+            specular: scene.lobes().any(Lobes::SPECULAR),
+        }
+    }
+}
+
+/// Nothing is left out: photons are gathered wherever there is something to gather in.
+fn blind_to_nothing(_: &CheckedMethod, _: SceneTraits) -> Option<&'static str> {
+    None
+}
 
 /// A method prepared for one scene, with its parameters and the job's seed. Every function is pure.
 pub trait PreparedMethod: Send + Sync {
@@ -151,6 +178,13 @@ fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
 /// Checks a choice against the table. `pixels` is the picture's size, from which `photons_per_pass: auto` follows.
 pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
     (entry(&choice.name)?.check)(choice, pixels)
+}
+
+/// What a user should know of light that a method never finds in a scene.
+pub fn blind_spot(method: &CheckedMethod, traits: SceneTraits) -> Option<String> {
+    let name = &method.choice.name;
+    let unseen = (entry(name).ok()?.blind_to)(method, traits)?;
+    Some(format!("{name} cannot find {unseen}."))
 }
 
 /// Prepares a checked method for a scene.

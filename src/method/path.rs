@@ -18,7 +18,7 @@ use std::sync::Arc;
 use super::bidirectional_parameters::{BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
 use super::bidirectional_pass::BidirectionalPasses;
 use super::parameters::help;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::Techniques;
 
@@ -40,6 +40,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "caustics of point, spot and directional lights; small lamps behind glass are very noisy",
     reference: "Kajiya 1986; Veach 1997, chapter 9",
     parameters: PARAMETERS,
+    blind_to,
     check,
     prepare,
 };
@@ -48,6 +49,17 @@ fn techniques(parameters: &BidirectionalParameters) -> Techniques {
     Techniques::HIT
         .with(Techniques::HIT, parameters.material_sampling.is_on())
         .with(Techniques::DIRECT, parameters.light_sampling.is_on())
+}
+
+fn blind_to(method: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
+    let samples_lights = method.choice.parameters.get("light_sampling").is_none_or(|value| value == "on");
+    match (traits.point_lights, traits.specular) {
+        (true, _) if !samples_lights => Some("point, spot and directional lights without light_sampling"),
+        (true, true) => {
+            Some("light that mirrors and glass throw from point, spot and directional lights; sppm, vcm and bdpt do")
+        }
+        _ => None,
+    }
 }
 
 fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {

@@ -22,7 +22,7 @@ use super::bidirectional_parameters::{
 };
 use super::bidirectional_pass::BidirectionalPasses;
 use super::parameters::help;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, blind_to_nothing};
 use crate::scene::Scene;
 use crate::transport::bidirectional::Techniques;
 
@@ -50,6 +50,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011, section 3.4",
     parameters: PARAMETERS,
+    blind_to: blind_to_nothing,
     check,
     prepare,
 };

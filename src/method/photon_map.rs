@@ -44,7 +44,7 @@ use serde_json::Value;
 
 use super::parameters::{self, Auto, ParameterHelp, ParameterSet, help};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
 use crate::math::random::{PathRandom, Stream, dimension, spread};
@@ -69,6 +69,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "nothing; but more passes do not remove the bias of its estimate, only more photons per pass do",
     reference: "Jensen 1996",
     parameters: PARAMETERS,
+    blind_to: blind_to_nothing,
     check,
     prepare,
 };
@@ -220,10 +221,6 @@ struct Maps {
     caustic: PhotonMap,
 }
 
-fn is_caustic(photon: &Photon) -> bool {
-    !photon.is_scattered() && photon.segments() > 1
-}
-
 impl TwoPasses {
     /// First pass: traces and sorts photons.
     fn trace_photons(&self, stream: Stream, pass: u32, cancel: &AtomicBool) -> Option<(Maps, Counters)> {
@@ -238,7 +235,7 @@ impl TwoPasses {
         let count = self.photons_per_pass;
         let (chunks, counters) = maps::trace(&self.scene, &settings, count, &self.grid(&self.global), cancel)?;
         let all = PhotonMap::build(&chunks, self.grid(&self.global));
-        let caustic = all.select(self.grid(&self.caustic), is_caustic);
+        let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
         let global = match self.gather_rays {
             0 => all.select(self.grid(&self.global), Photon::is_scattered),
             _ => all,

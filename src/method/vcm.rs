@@ -20,7 +20,7 @@ use super::bidirectional_parameters::{
 };
 use super::bidirectional_pass::BidirectionalPasses;
 use super::parameters::help;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::Techniques;
 
@@ -47,6 +47,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Georgiev et al. 2012",
     parameters: PARAMETERS,
+    blind_to,
     check,
     prepare,
 };
@@ -57,6 +58,14 @@ fn techniques(parameters: &BidirectionalParameters) -> Techniques {
         false => Techniques::HIT,
     }
     .with(Techniques::MERGE, parameters.merge.is_on())
+}
+
+fn blind_to(method: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
+    let merges = method.choice.parameters.get("merge").is_none_or(|value| value == "on");
+    (!merges && traits.point_lights && traits.specular).then_some(
+        "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
+         glass; merge: on does",
+    )
 }
 
 fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {

@@ -12,7 +12,7 @@ use super::error::{SceneError, nearest_name};
 use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
-use super::geometry::primitive::SHAPES;
+use super::geometry::primitive::{Primitive, SHAPES};
 use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::light::{
     AreaLight, Constant, Directional, EnvironmentMap, Ies, Light, LightTable, Point, Spot, Surroundings, area,
@@ -20,7 +20,7 @@ use super::light::{
 use super::material::{self, Lobes, Material, TransportMode, View};
 use super::relief::{self, Relief};
 use super::texture::{Texture, TextureReader};
-use crate::math::{Rgb, Vec2};
+use crate::math::{Rgb, Vec2, Vec3};
 use instancing::Instancing;
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
@@ -147,6 +147,19 @@ impl Scene {
     }
 }
 
+/// The farthest that surfaces may reach from the origin, m: squares of distances must fit into single precision.
+const FARTHEST: f32 = 1e18;
+
+/// Refuses boxes that single precision cannot reckon with.
+fn check_reach(node: &Node, mut boxes: impl Iterator<Item = (Vec3, Vec3)>) -> Result<(), SceneError> {
+    let near = |corner: Vec3| corner.abs().cmplt(Vec3::splat(FARTHEST)).all();
+    if boxes.all(|(low, high)| near(low) && near(high)) {
+        return Ok(());
+    }
+    let problem = format!("shape \"{}\" reaches farther than {FARTHEST:e} m from the origin", node.plugin);
+    Err(SceneError::new(&node.location, problem, "check its size and its to_world"))
+}
+
 /// A camera that sees nothing but the black backs of one-sided surfaces stands inside a solid.
 fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sensor: &Node) -> Result<(), SceneError> {
     const SIDE: usize = 16;
@@ -224,6 +237,7 @@ impl<'a> Builder<'a> {
             let problem = format!("shape \"{}\" has an area of {area} m²", node.plugin);
             return Err(SceneError::new(&node.location, problem, "check its size and its to_world"));
         }
+        check_reach(node, geometry.primitives.iter().map(Primitive::bounds))?;
         if geometry.degenerate > 0 {
             self.notices
                 .push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));

@@ -53,7 +53,7 @@ impl Accelerator {
         let boxes: Vec<(Vec3, Vec3)> = primitives.iter().map(Primitive::bounds).collect();
         let size = boxes.iter().map(|(low, high)| largest(*low).max(largest(*high))).fold(0.0, f32::max);
         let scale = scale_for(size);
-        let bounds: Vec<Bounds> = boxes.iter().map(|(low, high)| Bounds(padded(*low * scale, *high * scale))).collect();
+        let bounds = padded_boxes(boxes.into_iter(), scale);
         let groups: Vec<Vec<u32>> = [BlockKind::Triangles, BlockKind::Flat, BlockKind::Single]
             .into_iter()
             .flat_map(|kind| groups_of_kind(kind, primitives, &bounds))
@@ -165,7 +165,7 @@ impl BoxTree {
     pub fn build(boxes: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> (Self, Vec<u32>) {
         let size = boxes.clone().map(|(low, high)| largest(low).max(largest(high))).fold(0.0, f32::max);
         let scale = scale_for(size);
-        let bounds: Vec<Bounds> = boxes.map(|(low, high)| Bounds(padded(low * scale, high * scale))).collect();
+        let bounds = padded_boxes(boxes, scale);
         let mut tree = build_tree(&bounds);
         let order = std::mem::take(&mut tree.primitive_indices);
         tree.nodes.shrink_to_fit();
@@ -204,10 +204,25 @@ fn scale_for(size: f32) -> f32 {
     libm::ldexpf(1.0, (12 - exponent).clamp(-126, 127))
 }
 
-/// Room for rounding, so that flat boxes keep every ray that meets what they hold.
-fn padded(low: Vec3, high: Vec3) -> Aabb {
-    let padding = largest(low).max(largest(high)) * (4.0 * f32::EPSILON);
-    Aabb { min: (low - padding).into(), max: (high + padding).into() }
+/// Boxes in tree units with room for rounding, so that flat ones keep every ray that meets what they hold.
+///
+/// A little more room by chance makes all boxes different. obvhs joins boxes that are each other's best partner: where all
+/// look equally good, as in a row of equal triangles, that is one pair a round, and the time grows with the square of their number.
+fn padded_boxes(boxes: impl Iterator<Item = (Vec3, Vec3)>, scale: f32) -> Vec<Bounds> {
+    let padded = |(index, (low, high)): (usize, (Vec3, Vec3))| {
+        let room = largest(low).max(largest(high)) * scale * (4.0 * f32::EPSILON) * (Vec3::ONE + scatter(index));
+        Bounds(Aabb { min: (low * scale - room).into(), max: (high * scale + room).into() })
+    };
+    boxes.enumerate().map(padded).collect()
+}
+
+/// Three numbers in [0, 1) that neighbouring indices do not share (SplitMix64).
+fn scatter(index: usize) -> Vec3 {
+    let mut bits = (index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let part = |shift: u32| (bits >> shift & 0xf_ffff) as f32 / (1 << 20) as f32;
+    Vec3::new(part(4), part(24), part(44))
 }
 
 /// Neighbours of one kind, at most [`block::LANES`] together, as indices into `primitives`.

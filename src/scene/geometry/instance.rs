@@ -51,7 +51,7 @@ impl Instance {
     }
 
     /// The box in the world round a box in the group's space, with room for rounding.
-    fn bounds(&self, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    pub fn bounds(&self, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
         let center = self.point_to_world((low + high) * 0.5);
         let half = self.linear.abs() * ((high - low) * 0.5);
         let room = half + position_error(largest(center) + largest(half));

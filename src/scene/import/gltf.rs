@@ -40,6 +40,8 @@ const GENERATED_FOLDER: &str = "generated/";
 struct Input<'a> {
     document: &'a Document,
     buffers: &'a Buffers,
+    /// The files beside it.
+    bundle: &'a Bundle,
 }
 
 /// What is made besides plugins.
@@ -84,7 +86,7 @@ pub(super) fn read(
     let mut output = Output { generated: Files::new(), budget: Budget::new(), notices: Notices::default() };
     let mut includes = Vec::new();
     let buffers = Buffers::load(&document, bundle, binary, &mut output.budget, &mut includes)?;
-    let root = scene(&Input { document: &document, buffers: &buffers }, &mut output)?;
+    let root = scene(&Input { document: &document, buffers: &buffers, bundle }, &mut output)?;
     let Output { generated, notices, .. } = output;
     Ok((Reading { root, aliases: Vec::new(), includes, notices: notices.into_list() }, generated))
 }
@@ -110,7 +112,8 @@ fn scene(input: &Input<'_>, output: &mut Output) -> Result<Draft, SceneError> {
     let mut materials = Materials::default();
     let contents = nodes::read(input, &mut materials, output)?;
     let location = file.location();
-    let surroundings = contents.is_dark().then(|| white_surroundings(&location, output));
+    let files = input.bundle.clone().with_generated(output.generated.clone());
+    let surroundings = contents.is_dark(&files).then(|| white_surroundings(&location, output));
     let sensor = match contents.sensor {
         Some(sensor) => sensor,
         None => camera::framing(contents.bounds, &location, output),

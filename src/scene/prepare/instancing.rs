@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Builder, Fields, Geometry, Node, PluginClass, SceneError};
+use super::{Builder, Fields, Geometry, Node, PluginClass, SceneError, check_reach};
 use crate::scene::geometry::Instance;
 
 /// The plugins that are read here, not by the table of shapes.
@@ -75,7 +75,10 @@ impl Builder<'_> {
             return Err(SceneError::new(&node.location, problem, REMEDY));
         }
         let group = self.group(shape)?;
-        self.instancing.instances.push(Instance::read(&mut fields, group)?);
+        let instance = Instance::read(&mut fields, group)?;
+        let bounds = instance.bounds(self.instancing.groups[group as usize].bounds());
+        check_reach(node, std::iter::once(bounds))?;
+        self.instancing.instances.push(instance);
         fields.finish()
     }
 }

@@ -1,5 +1,7 @@
 //! Making one path of two subpaths.
 
+use rayon::prelude::*;
+
 use super::camera_walk::CameraWalk;
 use super::light_walk::LightWalk;
 use super::selection::Selection;
@@ -7,7 +9,7 @@ use super::stored_vertex::StoredVertex;
 use super::vertex::Vertex;
 use super::weights::{Sums, Weighting};
 use crate::math::random::{PathRandom, dimension};
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Rgb, Vec2, Vec3, octahedral};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 use crate::scene::material::{Lobes, TransportMode};
@@ -21,6 +23,16 @@ fn is_open(scene: &Scene, vertex: &Vertex, direction: Vec3, distance: f32, count
     counters.rays += 1;
     let origin = vertex.hit.offset_towards(direction);
     !scene.geometry.is_blocked(&Ray { origin, direction, length: distance * SHADOW_END })
+}
+
+/// Whether nothing is between two vertices. Both ends are moved off their surfaces: short connections in corners carry much.
+#[inline]
+fn is_open_between(scene: &Scene, from: &Vertex, to: &Vertex, direction: Vec3, counters: &mut Counters) -> bool {
+    counters.rays += 1;
+    let origin = from.hit.offset_towards(direction);
+    let between = to.hit.offset_towards(-direction) - origin;
+    let length = between.length();
+    !scene.geometry.is_blocked(&Ray { origin, direction: between / length, length: length * SHADOW_END })
 }
 
 /// Radiance by a sampled point of a light at a camera vertex [Veach 1997, 10.3: one light vertex].
@@ -64,13 +76,12 @@ pub fn connect(
     }
     let between = light.hit.position - camera.hit.position;
     let distance_squared = between.length_squared();
-    let distance = distance_squared.sqrt();
-    let direction = between / distance;
+    let direction = between / distance_squared.sqrt();
     let Some(at_camera) = camera.reflect(walk.scene, TransportMode::Radiance, direction) else { return Rgb::ZERO };
     let Some(at_light) = light.reflect(walk.scene, TransportMode::Flux, -direction) else { return Rgb::ZERO };
     // Of the geometry factor one cosine is in each of the values.
     let carried = camera.throughput * at_camera.value * at_light.value * light.throughput / distance_squared;
-    if !carried.is_finite() || !is_open(walk.scene, camera, direction, distance, counters) {
+    if !carried.is_finite() || !is_open_between(walk.scene, camera, light, direction, counters) {
         return Rgb::ZERO;
     }
     let weight = walk.weighting.connection(
@@ -131,14 +142,30 @@ pub fn to_camera(
     Some(SeenVertex { film: seen.film, radiance, density, reverse: reflected.pdf.reverse, sums: light.sums })
 }
 
-/// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`; photons of `map` hold indices into
-/// `vertices` in place of directions.
+/// What a merge needs of a photon, in the order of the map.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MergeRecord {
+    sums: Sums,
+    direction: u32,
+    segments: u32,
+}
+
+/// The records of a map whose photons hold indices into `vertices` in place of directions.
+pub fn merge_records(map: &PhotonMap, vertices: &[StoredVertex]) -> Vec<MergeRecord> {
+    let record = |index: usize| {
+        let vertex = &vertices[map.photon(index).direction as usize];
+        MergeRecord { sums: vertex.sums(), direction: vertex.direction_code(), segments: vertex.segments() }
+    };
+    (0..map.len()).into_par_iter().with_min_len(1 << 14).map(record).collect()
+}
+
+/// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`.
 #[inline]
 pub fn merge(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
     map: &PhotonMap,
-    vertices: &[StoredVertex],
+    records: &[MergeRecord],
     radius_squared: f32,
     acceptance: f32,
 ) -> (Rgb, f32) {
@@ -153,18 +180,18 @@ pub fn merge(
         both_sides: walk.scene.material(hit.shape).lobes().any(Lobes::TRANSMISSIVE),
     };
     let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
-    map.visit(&query, |photon| {
-        let light = &vertices[photon.direction as usize];
-        if !walk.selection.takes(camera.segments + light.segments(), light.segments(), camera.segments) {
+    map.visit_indices(&query, |index| {
+        let light = &records[index];
+        if !walk.selection.takes(camera.segments + light.segments, light.segments, camera.segments) {
             return;
         }
         photons += 1.0;
-        let direction = light.direction();
+        let direction = octahedral::decode(light.direction);
         let Some(reflected) = camera.reflect(walk.scene, TransportMode::Radiance, direction) else { return };
-        let weight = walk.weighting.merged([&camera.sums, &light.sums()], reflected.pdf, acceptance);
+        let weight = walk.weighting.merged([&camera.sums, &light.sums], reflected.pdf, acceptance);
         // Photons carry their cosine already.
         let cosine = direction.dot(hit.frame.normal).abs();
-        flux += reflected.value * Rgb::from_array(photon.flux) * (weight / cosine);
+        flux += reflected.value * map.flux(index) * (weight / cosine);
     });
     (camera.throughput * flux, photons)
 }

@@ -75,6 +75,12 @@ impl StoredVertex {
         octahedral::decode(self.outgoing)
     }
 
+    /// The octahedral code of [`StoredVertex::direction`].
+    #[inline]
+    pub fn direction_code(&self) -> u32 {
+        self.outgoing
+    }
+
     /// Its part of the weights.
     #[inline]
     pub fn sums(&self) -> Sums {

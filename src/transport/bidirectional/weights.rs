@@ -51,9 +51,9 @@ impl Techniques {
 #[serde(rename_all = "snake_case")]
 pub enum Heuristic {
     /// β = 1.
+    #[default]
     Balance,
     /// β = 2.
-    #[default]
     Power,
 }
 

@@ -53,6 +53,12 @@ impl Photon {
     pub fn is_scattered(&self) -> bool {
         self.normal_and_segments >> 24 & SCATTERED != 0
     }
+
+    /// Whether only mirrors and glass scattered it, at least once.
+    #[inline]
+    pub fn is_caustic(&self) -> bool {
+        !self.is_scattered() && self.segments() > 1
+    }
 }
 
 /// How many entries every column has behind its last photon, so that whole groups of lanes can be read.

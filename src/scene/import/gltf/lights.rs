@@ -9,13 +9,17 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use glam::DMat4;
 
+use super::super::super::bundle::Bundle;
 use super::super::super::description::{PluginClass, Value};
 use super::super::super::error::SceneError;
+use super::super::super::texture::{Texture, TextureReader};
 use super::super::draft::Draft;
 use super::super::report::Notice;
+use super::super::resolve::resolve;
 use super::Output;
 use super::camera::HALF_TURN;
 use super::entry::{Document, Entry};
+use crate::math::Rgb;
 
 /// The light at a node, if it has one.
 ///
@@ -61,6 +65,18 @@ pub(super) fn read(
         output.notices.add(Notice::ignored(&light.location(), "the range of a light", explanation));
     }
     Ok(Some(emitter))
+}
+
+/// Whether an emitter emits nothing: its color or its image is black. An image that cannot be read is not, so that preparing
+/// the scene tells what is wrong with it.
+pub(super) fn is_black(emitter: &Draft, files: &Bundle) -> bool {
+    if emitter.parameters.iter().any(|parameter| parameter.value == Value::Rgb([0.0; 3])) {
+        return true;
+    }
+    let Ok(node) = resolve(emitter, &[]) else { return false };
+    let mut textures = TextureReader::new(files);
+    let is_black = |texture: Texture| texture.range()[1] == Rgb::ZERO;
+    node.children.iter().any(|child| textures.texture(&child.node).is_ok_and(is_black))
 }
 
 fn cone(light: &Entry<'_>, emitter: Draft, output: &mut Output) -> Result<Draft, SceneError> {

@@ -1,7 +1,10 @@
 //! The tree of nodes: where meshes, cameras and lights stand in the world.
 
+use std::collections::BTreeMap;
+
 use glam::{DMat4, DQuat, DVec3};
 
+use super::super::super::bundle::Bundle;
 use super::super::super::description::{PluginClass, Value};
 use super::super::super::error::SceneError;
 use super::super::draft::{Draft, Target};
@@ -118,12 +121,17 @@ fn steps(scale: [f64; 3], rotation: [f64; 4], translation: [f64; 3]) -> Option<D
 }
 
 impl Contents {
-    /// Whether nothing in the scene emits.
-    pub(super) fn is_dark(&self) -> bool {
-        let is_emitter =
-            |target: &Target| matches!(target, Target::Plugin(plugin) if plugin.class == PluginClass::Emitter);
-        let emits = |shape: &Draft| shape.children.iter().any(|child| is_emitter(&child.target));
-        self.emitters.is_empty() && !self.shapes.iter().any(emits)
+    /// Whether nothing in the scene emits, also where it has lights: they may be black. `files` are those of the scene.
+    pub(super) fn is_dark(&self, files: &Bundle) -> bool {
+        let children = self.shapes.iter().flat_map(|shape| &shape.children);
+        let on_shapes = children.filter_map(|child| match &child.target {
+            Target::Plugin(plugin) if plugin.class == PluginClass::Emitter => Some(plugin),
+            _ => None,
+        });
+        // The shapes of a material have copies of one emitter, at one place.
+        let emitters: BTreeMap<&str, &Draft> =
+            self.emitters.iter().chain(on_shapes).map(|emitter| (emitter.location.path.as_str(), emitter)).collect();
+        emitters.values().all(|emitter| lights::is_black(emitter, files))
     }
 
     fn add_meshes<'a>(
