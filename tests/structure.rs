@@ -268,7 +268,9 @@ fn structure_methods_never_import_each_other() {
         let path = format!("method/{}.rs", method.name);
         let file = sources.iter().find(|file| file.path == path).unwrap_or_else(|| panic!("{path} is missing"));
         for other in METHODS.iter().filter(|other| other.name != method.name) {
-            let paths = words_before_colons(&file.code).any(|(_, word)| word == other.name);
+            // The photon map itself is a module of transport.
+            let paths = words_before_colons(&file.code)
+                .any(|(before, word)| word == other.name && !before.ends_with("transport::"));
             let imports = ["super", "method"].iter().any(|from| file.code.contains(&format!("{from}::{}", other.name)));
             if paths || imports {
                 violations.push(format!("{path} names {}", other.name));

@@ -34,12 +34,26 @@ impl PathRandom {
         Self { key: [seed as u32, (seed >> 32) as u32], stream: stream as u32, pass, path }
     }
 
+    /// The numbers of branch `index` (below 2²⁴ - 1) of this path, where it splits. A branch does not split again.
+    pub fn branch(&self, index: u32) -> Self {
+        Self { stream: self.stream & 0xff | (index + 1) << 8, ..*self }
+    }
+
     /// Four numbers in [0, 1), multiples of 2⁻²⁴.
     #[inline]
     pub fn block(&self, block: u32) -> [f32; 4] {
         let bits = philox::<7>([self.path, self.pass, block, self.stream], self.key);
         bits.map(|bits| (bits >> 8) as f32 * (1.0 / 16_777_216.0))
     }
+}
+
+/// Point `index` of `count` that are spread evenly over the unit square (Hammersley's), all shifted by two numbers in
+/// [0, 1) round its borders: with a random shift each alone is uniform.
+#[inline]
+pub fn spread(shift: [f32; 2], index: u32, count: u32) -> [f32; 2] {
+    let wrapped = |value: f32| if value >= 1.0 { value - 1.0 } else { value };
+    let radical_inverse = (index.reverse_bits() >> 8) as f32 * (1.0 / 16_777_216.0);
+    [wrapped(shift[0] + index as f32 / count as f32), wrapped(shift[1] + radical_inverse)]
 }
 
 /// Which block of a path's numbers decides what. A vertex owns two blocks: scattering and light sampling.

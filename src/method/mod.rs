@@ -9,6 +9,7 @@ pub mod light_tracing;
 pub mod parameters;
 pub mod path;
 pub mod pbdpm;
+pub mod photon_map;
 pub mod photon_pass;
 pub mod ppm;
 pub mod sppm;
@@ -51,8 +52,17 @@ pub struct MethodEntry {
 type PrepareMethod = fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>;
 
 /// All methods; the first is the default.
-pub const METHODS: &[MethodEntry] =
-    &[sppm::ENTRY, ppm::ENTRY, path::ENTRY, bdpt::ENTRY, light_tracing::ENTRY, bdpm::ENTRY, pbdpm::ENTRY, vcm::ENTRY];
+pub const METHODS: &[MethodEntry] = &[
+    sppm::ENTRY,
+    ppm::ENTRY,
+    path::ENTRY,
+    bdpt::ENTRY,
+    light_tracing::ENTRY,
+    photon_map::ENTRY,
+    bdpm::ENTRY,
+    pbdpm::ENTRY,
+    vcm::ENTRY,
+];
 
 /// What of a scene decides whether a method finds all its light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

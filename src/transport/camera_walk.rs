@@ -91,6 +91,20 @@ impl CameraWalk {
         }
     }
 
+    /// A path that leaves `point` by `scattering` to gather indirect light there. Emission that it sees before a lobe
+    /// with a density scatters it again is direct light at `point`, or a caustic: it does not count.
+    pub fn gathering(point: &GatherPoint, scattering: &Scattering) -> Self {
+        Self {
+            ray: point.hit.ray_to(scattering.direction),
+            throughput: point.throughput * scattering.weight,
+            segments: point.segments,
+            path_length: point.path_length,
+            index_squared: scattering.sample.relative_index * scattering.sample.relative_index,
+            emission: SeenEmission::ByPhotons,
+            samples_lights: true,
+        }
+    }
+
     /// Traces the next segment; emission that it sees is added to `radiance`. `None` when the path left the scene.
     #[inline]
     pub fn advance(

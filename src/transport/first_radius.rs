@@ -40,7 +40,8 @@ impl RadiusBounds {
         Self { scene_radius, guess: guess.min(Self::largest_squared(scene_radius)) }
     }
 
-    fn largest_squared(scene_radius: f32) -> f32 {
+    /// The largest R² in a scene of `scene_radius`, m².
+    pub fn largest_squared(scene_radius: f32) -> f32 {
         (LARGEST_SHARE * scene_radius) * (LARGEST_SHARE * scene_radius)
     }
 }

@@ -5,8 +5,10 @@
 pub mod bidirectional;
 pub mod camera_walk;
 pub mod counters;
+pub mod density_estimate;
 pub mod direct_light;
 pub mod first_radius;
+pub mod kernel;
 pub mod limits;
 pub mod multiple_importance;
 pub mod photon_map;

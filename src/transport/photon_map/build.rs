@@ -128,6 +128,12 @@ impl PhotonMap {
         cell_start[grid.cell_count()] = count as u32;
         Self { grid, cell_start, photons }
     }
+
+    /// A map of those photons that `keep` wants, in the order that they have here.
+    pub fn select(&self, grid: Grid, keep: impl Fn(&Photon) -> bool) -> Self {
+        let photons: Vec<Photon> = (0..self.len()).map(|index| self.photon(index)).filter(keep).collect();
+        Self::build(&[PhotonChunk::sort(&photons, &grid)], grid)
+    }
 }
 
 fn split_buckets<'a>(

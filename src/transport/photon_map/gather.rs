@@ -11,7 +11,7 @@ use super::{Photon, PhotonColumns, PhotonMap};
 use crate::math::{Rgb, Vec3};
 
 /// How far a photon may lie off the tangent plane, in radii.
-const FLATNESS: f32 = 0.25;
+pub(super) const FLATNESS: f32 = 0.25;
 /// The least cosine between the photon's surface normal and the gather point's, in units of the stored bytes (1/127).
 const LEAST_NORMAL_COSINE: f32 = 0.7 * 127.0;
 
@@ -49,7 +49,7 @@ pub struct Gathered {
     pub photons: f32,
 }
 
-const LANES: usize = 8;
+pub(super) const LANES: usize = 8;
 const LANE: i32x8 = i32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
 
 #[derive(Default)]
@@ -112,7 +112,7 @@ impl PhotonMap {
 
     /// Calls `run` with the index range of each run of photons that may count.
     #[inline]
-    fn for_each_run(&self, query: &GatherQuery, mut run: impl FnMut(usize, usize)) {
+    pub(super) fn for_each_run(&self, query: &GatherQuery, mut run: impl FnMut(usize, usize)) {
         let radius = query.radius_squared.sqrt();
         let low = self.grid.coordinates(query.position - radius);
         let high = self.grid.coordinates(query.position + radius);
@@ -159,7 +159,7 @@ impl PhotonMap {
 }
 
 /// A query, spread over the lanes.
-struct LaneTest {
+pub(super) struct LaneTest {
     center: [f32x8; 3],
     normal: [f32x8; 3],
     radius_squared: f32,
@@ -171,7 +171,7 @@ struct LaneTest {
 }
 
 impl LaneTest {
-    fn new(query: &GatherQuery) -> Self {
+    pub(super) fn new(query: &GatherQuery) -> Self {
         let cosine_mask = if query.both_sides { 0x7fff_ffff } else { u32::MAX };
         Self {
             center: query.position.to_array().map(f32x8::splat),
@@ -187,20 +187,36 @@ impl LaneTest {
     /// All bits of the lanes whose photon counts, of eight from `index` on and before `last`.
     #[inline(always)]
     fn count(&self, photons: &PhotonColumns, index: usize, last: usize) -> f32x8 {
+        let seen = self.look(photons, index, last);
+        seen.distance_squared.simd_lt(self.radius_squared) & seen.height.abs().simd_le(self.flatness) & seen.suitable
+    }
+
+    /// Eight photons from `index` on and before `last`, whatever their distance.
+    #[inline(always)]
+    pub(super) fn look(&self, photons: &PhotonColumns, index: usize, last: usize) -> LaneView {
         let [x, y, z] = &photons.position;
         let offset =
             [lanes(x, index) - self.center[0], lanes(y, index) - self.center[1], lanes(z, index) - self.center[2]];
-        let distance_squared = dot(offset, offset);
-        let height = dot(offset, self.normal);
         let code = i32x8::new(bytemuck::cast(eight(&photons.normal_and_segments, index)));
         let byte = |shift: i32| f32x8::from_i32x8((code << shift) >> 24);
         let cosine = dot([byte(24), byte(16), byte(8)], self.normal) & self.cosine_mask;
         let segments: i32x8 = (code >> 24) & self.segments_mask;
         let in_run = LANE.simd_lt(i32x8::splat((last - index).min(LANES) as i32));
         let allowed: i32x8 = in_run & !segments.simd_gt(self.most_segments);
-        distance_squared.simd_lt(self.radius_squared)
-            & height.abs().simd_le(self.flatness)
-            & cosine.simd_gt(LEAST_NORMAL_COSINE)
-            & bytemuck::cast::<i32x8, f32x8>(allowed)
+        LaneView {
+            distance_squared: dot(offset, offset),
+            height: dot(offset, self.normal),
+            suitable: cosine.simd_gt(LEAST_NORMAL_COSINE) & bytemuck::cast::<i32x8, f32x8>(allowed),
+        }
     }
+}
+
+/// Eight photons as a query sees them.
+pub(super) struct LaneView {
+    /// Squared distance, m².
+    pub(super) distance_squared: f32x8,
+    /// Height over the tangent plane, m.
+    pub(super) height: f32x8,
+    /// All bits where a photon is in the run, faces the right way and is of a kind that counts.
+    pub(super) suitable: f32x8,
 }

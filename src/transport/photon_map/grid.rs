@@ -30,6 +30,11 @@ impl Grid {
         self.size.iter().map(|side| *side as usize).product()
     }
 
+    /// The side of a cell, m.
+    pub fn cell_side(&self) -> f32 {
+        1.0 / self.inverse_cell
+    }
+
     /// Cell coordinates; points outside belong to the nearest border cell, for storing and for looking up alike.
     #[inline]
     pub fn coordinates(&self, point: Vec3) -> [u32; 3] {

@@ -6,11 +6,13 @@
 mod build;
 mod gather;
 mod grid;
+mod nearest;
 mod photon;
 
 pub use build::{PhotonChunk, trace};
 pub use gather::{GatherQuery, Gathered};
 pub use grid::Grid;
+pub use nearest::{FIRST_SEARCH_CELLS, Nearest};
 pub use photon::{Photon, PhotonColumns};
 
 /// The photons of one pass.

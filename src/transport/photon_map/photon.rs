@@ -41,6 +41,26 @@ impl Photon {
     }
 }
 
+impl Photon {
+    /// Segments of its path from the light to here; 127 stands for more too.
+    #[inline]
+    pub fn segments(&self) -> u32 {
+        self.normal_and_segments >> 24 & MOST_SEGMENTS
+    }
+
+    /// Whether a lobe with a density scattered it on its way; else it came straight from the light or is a caustic.
+    #[inline]
+    pub fn is_scattered(&self) -> bool {
+        self.normal_and_segments >> 24 & SCATTERED != 0
+    }
+
+    /// Whether only mirrors and glass scattered it, at least once.
+    #[inline]
+    pub fn is_caustic(&self) -> bool {
+        !self.is_scattered() && self.segments() > 1
+    }
+}
+
 /// How many entries every column has behind its last photon, so that whole groups of lanes can be read.
 const PADDING: usize = 8;
 

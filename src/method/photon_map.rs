@@ -1,0 +1,397 @@
+//! `photon_map`: Jensen's two passes. Every pass of the job first traces photons into a global map and a caustic map of
+//! its own, then follows one camera path per pixel through specular and narrow glossy lobes to the first wide one. There
+//! direct light is sampled, caustics are read from the caustic map, and soft indirect light is gathered: rays sampled
+//! from the BSDF look up the radiance that the global map estimates where they end. Passes are averaged.
+//!
+//! References: [J96] Jensen 1996, "Global illumination using photon maps"; [Wa99] Wald 1999, "Photorealistic rendering
+//! using the photon map", sections 2.5 (estimate, caustic map), 4.3 (local pass), 4.4 (multiple maps); [Vo11] Vorba 2011,
+//! "Bidirectional photon mapping", section 1.6 with eq. 1.12.
+//!
+//! | symbol | here | unit |
+//! |---|---|---|
+//! | L(x, ωo) | `DensityEstimate::reflected` over `photons_per_pass` [Vo11, eq. 1.12] | W·sr⁻¹·m⁻² |
+//! | k, N in the sources | `neighbors`, `caustic_neighbors`; the k-th photon gives r and does not count | – |
+//! | r | distance of the k-th photon, at most `largest_radius` | m |
+//! | Φ_p | photon flux, `Le·cos/pdf` | W |
+//!
+//! Paths, from the light L to the eye E: S specular, G a narrow glossy lobe, D a wide lobe. X is the D or G next to the
+//! light, and `…` stands for (S|G)*. Every path belongs to one part:
+//!
+//! | part | paths |
+//! |---|---|
+//! | emission seen | L S* E |
+//! | direct light at X | L X … E; at a G the camera path may find it by chance too, and both share its weight |
+//! | caustic map at X | L S+ X … E |
+//! | final gather | L S* X (S\|G\|D)* D … E: a D lies between X and the eye; the one next to the eye gathers |
+//!
+//! A gather ray goes on at S and G. At a G it takes direct light and caustics (L S* G … D … E), and at the first D′ it
+//! ends with the radiance that the global map estimates (L (S|G|D)* D′ … D … E): that map holds all photons, first hits
+//! too. Emission that it meets before any G does not count: at the gathering D that is direct light or a caustic. A ray
+//! that ends within `largest_radius` of where it began would see its own corner blurred across the edge; there D′ does as
+//! D did [J96]: direct light, caustics, and one more gather ray. With `final_gather: 0` the D looks at the global map
+//! itself, for photons that some D or G scattered.
+//!
+//! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
+//! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
+//! falls as √(k/photons_per_pass). Memory: 32 bytes per stored photon, and again for each caustic one.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::parameters::{self, Auto, ParameterHelp, ParameterSet, help};
+use super::photon_pass::{PILOT_PASS, add_to_tally};
+use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
+use crate::estimate::{PixelTally, RadiusRule, Region};
+use crate::math::Rgb;
+use crate::math::random::{PathRandom, Stream, dimension, spread};
+use crate::scene::Scene;
+use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
+use crate::transport::density_estimate::DensityEstimate;
+use crate::transport::direct_light::direct_light;
+use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
+use crate::transport::kernel::Kernel;
+use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Grid, Nearest, Photon, PhotonMap};
+use crate::transport::photon_tracing::PhotonSettings;
+use crate::transport::{Counters, Limits, shading};
+
+const NAME: &str = "photon_map";
+/// What a look-up costs, in rays, for the pilot's count.
+const RAYS_PER_LOOKUP: u64 = 6;
+
+/// The row of the table.
+pub const ENTRY: MethodEntry = MethodEntry {
+    name: NAME,
+    summary: "photon mapping in two passes: sampled direct light, caustic map, final gather from a global map",
+    cannot_sample: "nothing; but more passes do not remove the bias of its estimate, only more photons per pass do",
+    reference: "Jensen 1996",
+    parameters: PARAMETERS,
+    blind_to: blind_to_nothing,
+    check,
+    prepare,
+};
+
+const PARAMETERS: &[ParameterHelp] = &[
+    help(
+        "photons_per_pass",
+        "photons emitted per pass",
+        "1 to 67108864, auto",
+        "auto: one per pixel, 65536 to 1048576",
+    ),
+    help("neighbors", "nearest photons in a look-up of the global map", "2 to 65536", "20"),
+    help("caustic_neighbors", "nearest photons in a look-up of the caustic map", "2 to 65536", "10"),
+    help(
+        "largest_radius",
+        "largest radius of a look-up, m; gather rays shorter than it go on",
+        "above 0, auto",
+        "auto: half the area that k photons take on average",
+    ),
+    help("kernel", "how photons count by their distance", "disc, cone, epanechnikov", "epanechnikov"),
+    help("final_gather", "gather rays per camera path; 0 looks at the global map directly", "0 to 1024", "4"),
+    help("max_depth", "longest path in segments (2 is direct light)", "1 to 2147483648, -1 for unlimited", "-1"),
+    help("rr_depth", "segments from which Russian roulette may end a path", "1 or more", "1"),
+    help("passes", "passes when no stop rule is given", "1 to 2147483648", "256"),
+];
+
+/// [`PARAMETERS`] says what they mean.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Parameters {
+    photons_per_pass: Value,
+    neighbors: u32,
+    caustic_neighbors: u32,
+    largest_radius: Value,
+    kernel: Kernel,
+    final_gather: u32,
+    max_depth: i64,
+    rr_depth: i64,
+    passes: u32,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self {
+            photons_per_pass: "auto".into(),
+            neighbors: 20,
+            caustic_neighbors: 10,
+            largest_radius: "auto".into(),
+            kernel: Kernel::default(),
+            final_gather: 4,
+            max_depth: -1,
+            rr_depth: 1,
+            passes: 256,
+        }
+    }
+}
+
+impl ParameterSet for Parameters {
+    fn check_ranges(&self) -> Result<(), &'static str> {
+        parameters::first_bad(&[
+            ("photons_per_pass", parameters::photon_count(&self.photons_per_pass).is_some()),
+            ("neighbors", (2..=65_536).contains(&self.neighbors)),
+            ("caustic_neighbors", (2..=65_536).contains(&self.caustic_neighbors)),
+            ("largest_radius", parameters::radius(&self.largest_radius).is_some()),
+            ("final_gather", self.final_gather <= 1024),
+            ("max_depth", parameters::is_depth(self.max_depth)),
+            ("rr_depth", self.rr_depth >= 1),
+            ("passes", (1..=1 << 31).contains(&self.passes)),
+        ])
+    }
+}
+
+fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+    let mut parameters: Parameters = parameters::read(NAME, &choice.parameters, PARAMETERS)?;
+    let photons_per_pass = match parameters::photon_count(&parameters.photons_per_pass) {
+        Some(Auto::Value(count)) => count,
+        _ => pixels.clamp(1 << 16, 1 << 20) as u32,
+    };
+    parameters.photons_per_pass = photons_per_pass.into();
+    let passes = parameters.passes;
+    let choice = parameters::written_out(NAME, parameters, PARAMETERS);
+    // There is no radius per pixel: the rule that sends no radius fields costs nothing.
+    Ok(CheckedMethod { choice, radius_rule: RadiusRule::Schedule, alpha: 2.0 / 3.0, photons_per_pass, passes })
+}
+
+fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    let parameters: Parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
+    let scene_radius = scene.geometry.bounding_sphere().1;
+    let photons_per_pass = method.photons_per_pass;
+    let look_up = |neighbors: u32| {
+        let automatic = largest_radius_squared(scene_radius, neighbors, photons_per_pass);
+        let largest_radius_squared = match parameters::radius(&parameters.largest_radius) {
+            Some(Auto::Value(radius)) => radius * radius,
+            _ => automatic,
+        };
+        LookUp {
+            estimate: DensityEstimate {
+                neighbors: neighbors as usize,
+                largest_radius_squared,
+                kernel: parameters.kernel,
+            },
+            first_radius: largest_radius_squared.min(automatic).sqrt(),
+        }
+    };
+    Ok(Box::new(TwoPasses {
+        scene,
+        seed,
+        limits: parameters::limits(parameters.max_depth, parameters.rr_depth),
+        photons_per_pass,
+        global: look_up(parameters.neighbors),
+        caustic: look_up(parameters.caustic_neighbors),
+        gather_rays: parameters.final_gather,
+    }))
+}
+
+/// The largest r² where the user named none, m²: half the area that `neighbors` photons would have on the scene's
+/// bounding sphere, at most 5 % of its radius. Surfaces are smaller than that sphere, so at mean brightness about k are
+/// found. Larger discs would find more in the dark, but blur it, and bring more light over edges than they take.
+fn largest_radius_squared(scene_radius: f32, neighbors: u32, photons_per_pass: u32) -> f32 {
+    // Two or three photons are stored per emitted one in a closed room.
+    let bounds = RadiusBounds::new(scene_radius, 2 * photons_per_pass as usize);
+    let mean = bounds.guess * (neighbors as f32 / FIRST_GATHER_PHOTONS);
+    (0.5 * mean).clamp(f32::MIN_POSITIVE, RadiusBounds::largest_squared(scene_radius))
+}
+
+/// A scene and the method's parameters.
+struct TwoPasses {
+    scene: Arc<Scene>,
+    seed: u64,
+    limits: Limits,
+    photons_per_pass: u32,
+    global: LookUp,
+    caustic: LookUp,
+    gather_rays: u32,
+}
+
+/// How a map is looked at.
+struct LookUp {
+    estimate: DensityEstimate,
+    /// What a search starts with, m; sizes the map's cells.
+    first_radius: f32,
+}
+
+/// The photons of a pass.
+struct Maps {
+    /// For gather rays: all photons. Without them: those that a lobe with a density has scattered.
+    global: PhotonMap,
+    /// Photons that only mirrors and glass have scattered, at least once.
+    caustic: PhotonMap,
+}
+
+impl TwoPasses {
+    /// First pass: traces and sorts photons.
+    fn trace_photons(&self, stream: Stream, pass: u32, cancel: &AtomicBool) -> Option<(Maps, Counters)> {
+        let settings = PhotonSettings {
+            limits: self.limits,
+            first_stored_segment: 1,
+            narrow_takes_all: false,
+            seed: self.seed,
+            stream,
+            pass,
+        };
+        let count = self.photons_per_pass;
+        let (chunks, counters) = maps::trace(&self.scene, &settings, count, &self.grid(&self.global), cancel)?;
+        let all = PhotonMap::build(&chunks, self.grid(&self.global));
+        let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
+        let global = match self.gather_rays {
+            0 => all.select(self.grid(&self.global), Photon::is_scattered),
+            _ => all,
+        };
+        Some((Maps { global, caustic }, counters))
+    }
+
+    fn grid(&self, look_up: &LookUp) -> Grid {
+        let (low, high) = self.scene.geometry.bounds();
+        let cell = look_up.first_radius / FIRST_SEARCH_CELLS;
+        Grid::new(low, high, cell, 4 * u64::from(self.photons_per_pass).max(1 << 14))
+    }
+
+    /// Both passes, with random numbers of `streams` for photons and camera.
+    fn trace(
+        &self,
+        streams: [Stream; 2],
+        pass: &Pass<'_>,
+        pixels: &mut [PixelTally],
+        cancel: &AtomicBool,
+    ) -> Option<Counters> {
+        let (maps, mut total) = self.trace_photons(streams[0], pass.index, cancel)?;
+        let width = self.scene.width as usize;
+        let trace_row = |(row, tallies): (usize, &mut [PixelTally])| {
+            let mut gathering = Gathering { method: self, maps: &maps, found: Nearest::default() };
+            let mut counters = Counters::default();
+            if cancel.load(Ordering::Relaxed) {
+                return counters;
+            }
+            let y = pass.region.row_start + row as u32;
+            for (x, tally) in (0..).zip(tallies) {
+                let random = PathRandom::new(self.seed, streams[1], pass.index, y * self.scene.width + x);
+                let radiance = gathering.pixel([x, y], &random, &mut counters);
+                add_to_tally(tally, pass, radiance, Rgb::ZERO, 0.0, &mut counters);
+            }
+            counters
+        };
+        let counters: Vec<Counters> = pixels.par_chunks_mut(width).enumerate().map(trace_row).collect();
+        counters.into_iter().for_each(|counters| total += counters);
+        (!cancel.load(Ordering::Relaxed)).then_some(total)
+    }
+}
+
+/// Second pass: what a thread needs to look at pixels.
+struct Gathering<'a> {
+    method: &'a TwoPasses,
+    maps: &'a Maps,
+    found: Nearest,
+}
+
+impl Gathering<'_> {
+    /// Radiance that a camera path sees.
+    fn pixel(&mut self, pixel: [u32; 2], random: &PathRandom, counters: &mut Counters) -> Rgb {
+        let TwoPasses { scene, limits, .. } = self.method;
+        let ray = scene.camera_ray(pixel, random.block(dimension::CAMERA));
+        let mut seen = Rgb::ZERO;
+        trace_camera_path(
+            scene,
+            CameraWalk::new(ray, true),
+            random,
+            limits,
+            &mut seen,
+            counters,
+            |at, seen, counters| {
+                *seen += self.direct_and_caustic(at, random, counters);
+                if !at.goes_on {
+                    *seen += self.indirect(at, random, counters);
+                }
+            },
+        );
+        seen
+    }
+
+    /// Direct light and caustics at a point, as the camera sees them.
+    fn direct_and_caustic(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
+        let TwoPasses { scene, limits, caustic, .. } = self.method;
+        let mut reflected = self.look_up(caustic, &self.maps.caustic, at);
+        if limits.allows(at.segments + 1) {
+            reflected += direct_light(scene, at, random, counters);
+        }
+        at.throughput * reflected
+    }
+
+    /// Soft indirect light at a wide lobe, as the camera sees it.
+    fn indirect(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
+        let rays = self.method.gather_rays;
+        if rays == 0 {
+            return at.throughput * self.look_up(&self.method.global, &self.maps.global, at);
+        }
+        let [shift_x, shift_y, ..] = random.block(dimension::scattering(at.segments));
+        let sum: Rgb = (0..rays)
+            .map(|ray| {
+                let random = random.branch(ray);
+                let [_, _, lobe, roulette] = random.block(dimension::scattering(at.segments));
+                let [x, y] = spread([shift_x, shift_y], ray, rays);
+                self.gather_ray(at, [x, y, lobe, roulette], &random, counters)
+            })
+            .sum();
+        sum / rays as f32
+    }
+
+    /// Indirect light along one ray that is sampled at `from` with `u`, as the camera sees it.
+    fn gather_ray(&mut self, from: &GatherPoint, u: [f32; 4], random: &PathRandom, counters: &mut Counters) -> Rgb {
+        let TwoPasses { scene, limits, global, .. } = self.method;
+        let material = scene.material(from.hit.shape);
+        let Some(scattering) = shading::scatter(&from.hit, material, &from.view(), [u[0], u[1], u[2]]) else {
+            return Rgb::ZERO;
+        };
+        let mut walk = CameraWalk::gathering(from, &scattering);
+        if !walk.survives(limits, u[3]) {
+            return Rgb::ZERO;
+        }
+        let mut seen = Rgb::ZERO;
+        trace_camera_path(scene, walk, random, limits, &mut seen, counters, |at, seen, counters| {
+            let is_near = at.hit.position.distance_squared(from.hit.position) < global.estimate.largest_radius_squared;
+            if at.goes_on || is_near {
+                *seen += self.direct_and_caustic(at, random, counters);
+            }
+            if !at.goes_on {
+                *seen += match is_near {
+                    true => {
+                        let u = random.block(dimension::scattering(at.segments));
+                        self.gather_ray(at, u, random, counters)
+                    }
+                    false => at.throughput * self.look_up(global, &self.maps.global, at),
+                };
+            }
+        });
+        seen
+    }
+
+    /// Radiance that the point's lobes reflect of the photons in `map`.
+    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap, at: &GatherPoint) -> Rgb {
+        let TwoPasses { scene, limits, photons_per_pass, .. } = self.method;
+        if map.is_empty() {
+            return Rgb::ZERO;
+        }
+        let most_segments = limits.most_photon_segments(at.segments);
+        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found) / *photons_per_pass as f32
+    }
+}
+
+impl PreparedMethod for TwoPasses {
+    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
+        self.trace([Stream::Photon, Stream::Camera], pass, pixels, cancel)
+    }
+
+    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+        let region = Region { row_start: 0, row_end: self.scene.height };
+        let count = self.scene.pixel_count();
+        // No pixel has a radius; 1 stands for it.
+        let radii = vec![1.0; count];
+        let pass = Pass { index: PILOT_PASS, region, radius_squared: &radii, scale: 1.0, typical_radius_squared: 1.0 };
+        let mut nobody_looks = vec![PixelTally::default(); count];
+        let mut counters = self.trace([Stream::PilotPhoton, Stream::PilotCamera], &pass, &mut nobody_looks, cancel)?;
+        counters.rays += count as u64 * (1 + u64::from(self.gather_rays)) * RAYS_PER_LOOKUP;
+        Some((radii, counters))
+    }
+}
