@@ -55,7 +55,7 @@ impl WholePath<'_> {
     }
 
     /// The density of light vertices 0 to `last`, by area.
-    fn from_light(&self, last: usize) -> f64 {
+    fn light_density(&self, last: usize) -> f64 {
         let cosine = self.direction(0, 1).dot(self.hits[0].geometric_normal);
         let seen = SeenPoint { primitive: self.hits[0].primitive, position: self.hits[0].position, cosine };
         let emitted = self.scene.lights.lights()[0].emission_pdf(&self.scene.geometry, &seen);
@@ -64,7 +64,7 @@ impl WholePath<'_> {
     }
 
     /// The density of camera vertices from the one next to the camera to `last`, by area and per pixel.
-    fn from_camera(&self, last: usize) -> f64 {
+    fn camera_density(&self, last: usize) -> f64 {
         let count = self.hits.len();
         let pixels = self.scene.film.whole_pixel_count();
         let pdf = self.scene.camera.pdf_solid_angle(self.direction(count, count - 1)) * pixels;
@@ -81,20 +81,20 @@ impl WholePath<'_> {
                 all.push((key, density));
             }
         };
-        add(Techniques::HIT, (0, count, false), self.from_camera(0));
+        add(Techniques::HIT, (0, count, false), self.camera_density(0));
         let toward = self.direction(1, 0);
         let cosine = -toward.dot(self.hits[0].geometric_normal);
         let seen = SeenPoint { primitive: self.hits[0].primitive, position: self.hits[0].position, cosine };
         let direct = self.scene.lights.lights()[0].direct_pdf(&self.scene.geometry, self.hits[1].position, &seen);
-        add(Techniques::DIRECT, (1, count - 1, false), self.by_area(direct, 1, 0) * self.from_camera(1));
+        add(Techniques::DIRECT, (1, count - 1, false), self.by_area(direct, 1, 0) * self.camera_density(1));
         for light in 2..count {
-            let density = self.from_light(light - 1) * self.from_camera(light);
+            let density = self.light_density(light - 1) * self.camera_density(light);
             add(Techniques::CONNECT, (light, count - light, false), density);
         }
-        add(Techniques::CAMERA, (count, 0, false), self.from_light(count - 1) * f64::from(LIGHT_PATHS));
+        add(Techniques::CAMERA, (count, 0, false), self.light_density(count - 1) * f64::from(LIGHT_PATHS));
         for at in 1..count {
             let near = f64::from(PI * RADIUS_SQUARED * LIGHT_PATHS);
-            add(Techniques::MERGE, (at, count - at, true), self.from_light(at) * self.from_camera(at) * near);
+            add(Techniques::MERGE, (at, count - at, true), self.light_density(at) * self.camera_density(at) * near);
         }
         all
     }

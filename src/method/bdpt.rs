@@ -25,7 +25,7 @@ use crate::scene::Scene;
 use crate::transport::bidirectional::Techniques;
 
 const NAME: &str = "bdpt";
-const PARAMETERS: &[ParameterHelp] = &[HEURISTIC, STRATEGY, MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
+const PARAMETERS: &[ParameterHelp] = &[HEURISTIC, STRATEGY, SHOW, MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {

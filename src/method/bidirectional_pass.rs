@@ -225,29 +225,34 @@ impl BidirectionalPasses {
             chunks.par_iter_mut().map(|chunk| PhotonChunk::sort(&std::mem::take(&mut chunk.photons), &grid)).collect();
         PhotonMap::build(&sorted, grid)
     }
+}
 
-    /// One pixel of one pass; `pixel` is counted in the region.
-    fn trace_pixel(
-        &self,
-        walk: &CameraWalk<'_>,
-        pass: &Pass<'_>,
-        paths: &LightPaths,
-        pixel: usize,
-        own: &mut Vec<Vertex>,
-        tally: &mut PixelTally,
-        counters: &mut Counters,
-    ) {
-        let index = pixels_of(pass.region, self.scene.width).start + pixel as u32;
-        let acceptance = self.acceptance(pass, pixel);
+/// The camera subpaths of a pass, on one thread.
+struct CameraPass<'a> {
+    passes: &'a BidirectionalPasses,
+    pass: &'a Pass<'a>,
+    walk: CameraWalk<'a>,
+    paths: &'a LightPaths,
+    /// The light subpath that a pixel's camera subpath is connected with.
+    own: Vec<Vertex>,
+    counters: Counters,
+}
+
+impl CameraPass<'_> {
+    /// Adds the camera subpath of `pixel`, counted in the region.
+    fn trace_pixel(&mut self, pixel: usize, tally: &mut PixelTally) {
+        let Self { passes, pass, walk, paths, own, counters } = self;
+        let index = pixels_of(pass.region, passes.scene.width).start + pixel as u32;
+        let acceptance = passes.acceptance(pass, pixel);
         own.clear();
-        if self.uses(Techniques::CONNECT) {
-            let path = (index % self.light_paths) as usize;
+        if passes.uses(Techniques::CONNECT) {
+            let path = (index % passes.light_paths) as usize;
             own.extend(paths.vertices[paths.range(path)].iter().map(StoredVertex::unpack));
         }
         let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
         let radiance = walk.trace(index, acceptance, counters, |camera, random, counters| {
             let mut radiance = Rgb::ZERO;
-            if self.uses(Techniques::DIRECT) {
+            if passes.uses(Techniques::DIRECT) {
                 radiance += direct_light(walk, camera, random, acceptance, counters);
             }
             for light in own.iter() {
@@ -261,10 +266,11 @@ impl BidirectionalPasses {
             }
             radiance
         });
-        if self.selection.show == Show::Weights {
-            // Counts of paths are not divided by areas.
-            return add_to_tally(tally, pass, radiance + flux, Rgb::ZERO, photons, counters);
-        }
+        // Counts of paths are not divided by areas.
+        let (radiance, flux) = match passes.selection.show {
+            Show::Radiance => (radiance, flux),
+            Show::Weights => (radiance + flux, Rgb::ZERO),
+        };
         add_to_tally(tally, pass, radiance, flux, photons, counters);
     }
 }
@@ -288,13 +294,14 @@ impl PreparedMethod for BidirectionalPasses {
             .par_chunks_mut(width)
             .enumerate()
             .map(|(row, tallies)| {
-                let (mut counters, mut own) = (Counters::default(), Vec::new());
+                let (own, counters) = (Vec::new(), Counters::default());
+                let mut camera = CameraPass { passes: self, pass, walk, paths: &paths, own, counters };
                 if !cancel.load(Ordering::Relaxed) {
                     for (column, tally) in tallies.iter_mut().enumerate() {
-                        self.trace_pixel(&walk, pass, &paths, row * width + column, &mut own, tally, &mut counters);
+                        camera.trace_pixel(row * width + column, tally);
                     }
                 }
-                counters
+                camera.counters
             })
             .collect();
         counters.into_iter().for_each(|counters| total += counters);
