@@ -139,7 +139,7 @@ fn methods_agree_in_pairs() {
                     true => r#"{"initial_radius": 0.01, "photons_per_pass": 8192, "max_depth": 6}"#,
                     false => r#"{"max_depth": 6}"#,
                 };
-                let (mean, error) = mean_and_error(&scene, method, parameters, 16, 32);
+                let (mean, error) = mean_and_error(&scene, method, parameters, 16, 12);
                 println!("{light} {method}: {mean:.5} ± {error:.5}");
                 (*method, mean, error)
             })
@@ -177,7 +177,7 @@ fn agreement_cornell_diffuse() {
 
 #[test]
 fn agreement_cornell_glass() {
-    check_reference("cornell-glass", 0.015, &[("path", 1.2), ("bdpt", 0.12), ("pbdpm", 0.1), ("vcm", 0.1)]);
+    check_reference("cornell-glass", 0.015, &[("path", 1.9), ("bdpt", 0.12), ("pbdpm", 0.1), ("vcm", 0.1)]);
 }
 
 #[test]
@@ -192,7 +192,9 @@ fn agreement_glossy_blocks() {
 
 #[test]
 fn agreement_dof() {
-    check_reference("dof", 0.015, &[("path", 0.5), ("bdpt", 0.3), ("light_tracing", 3.0), ("vcm", 0.3)]);
+    check_reference("dof", 0.015, &[("path", 0.5), ("bdpt", 0.3), ("vcm", 0.3)]);
+    // Light that happens to fall through the lens: noisy. After 300 passes the mean is off by +0.4 %.
+    check_reference("dof", 0.03, &[("light_tracing", 6.0)]);
 }
 
 /// A region gives exactly the pixels that the whole picture gives, also of light subpaths that the camera sees.

@@ -111,8 +111,9 @@ pub const STRATEGY: ParameterHelp = help(
 /// For methods with light subpaths.
 pub const SHOW: ParameterHelp = help(
     "show",
-    "radiance, or weights: red over green is the mean weight of the paths that a pixel's chosen strategies found",
-    "radiance, weights",
+    "radiance; unweighted, as if each strategy stood alone; or weights: red over green is the mean weight of what a pixel's \
+     strategies found",
+    "radiance, unweighted, weights",
     "radiance",
 );
 /// For methods that merge.

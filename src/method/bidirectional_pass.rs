@@ -167,7 +167,7 @@ impl BidirectionalPasses {
                 let pixel = pixel - region.start;
                 let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
                 let scale = match self.selection.show {
-                    Show::Radiance => filter / self.weighting.light_paths,
+                    Show::Radiance | Show::Unweighted => filter / self.weighting.light_paths,
                     Show::Weights => 1.0,
                 };
                 splats.push((pixel, self.selection.shown(seen.radiance, weight) * scale));
@@ -268,7 +268,7 @@ impl CameraPass<'_> {
         });
         // Counts of paths are not divided by areas.
         let (radiance, flux) = match passes.selection.show {
-            Show::Radiance => (radiance, flux),
+            Show::Radiance | Show::Unweighted => (radiance, flux),
             Show::Weights => (radiance + flux, Rgb::ZERO),
         };
         add_to_tally(tally, pass, radiance, flux, photons, counters);

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::camera_walk::CameraWalk;
 use super::light_walk::LightWalk;
-use super::selection::Selection;
+use super::selection::{Selection, Show};
 use super::stored_vertex::StoredVertex;
 use super::vertex::{Vertex, densities};
 use super::weights::{Sums, Weighting};
@@ -199,8 +199,13 @@ pub fn merge(
             None => material.evaluate(&view, incident),
         };
         if value != Rgb::ZERO {
-            let pdf = densities(walk.scene, hit, &view, incident);
-            let weight = walk.weighting.merged([&camera.sums, &light.sums], pdf, acceptance);
+            let weight = match walk.selection.show {
+                Show::Unweighted => 1.0,
+                _ => {
+                    let pdf = densities(walk.scene, hit, &view, incident);
+                    walk.weighting.merged([&camera.sums, &light.sums], pdf, acceptance)
+                }
+            };
             flux += walk.selection.shown(camera.throughput * value * map.flux(index), weight);
         }
     });

@@ -20,6 +20,8 @@ pub enum Show {
     /// Its radiance, weighted.
     #[default]
     Radiance,
+    /// Its radiance as if no other way of finding it took part.
+    Unweighted,
     /// Its weight in red and 1 in green: red over green is the mean weight of what was found.
     Weights,
 }
@@ -38,6 +40,7 @@ impl Selection {
     pub fn shown(&self, radiance: Rgb, weight: f32) -> Rgb {
         match self.show {
             Show::Radiance => radiance * weight,
+            Show::Unweighted => radiance,
             Show::Weights if radiance == Rgb::ZERO => Rgb::ZERO,
             Show::Weights => Rgb::new(weight, 1.0, 0.0),
         }

@@ -1,0 +1,215 @@
+//! The experiments of the thesis on bidirectional photon mapping [Vorba 2011, chapters 2 and 4], on scenes of our own: pictures
+//! under `docs/pictures/experiments` and the tables of `docs/EXPERIMENTS.md` on standard output.
+//!
+//! `cargo run --release --example experiments -- 60` gives each equal-time picture 60 processor-seconds; all together take about
+//! 30 minutes on two cores.
+
+use std::error::Error;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use photonfarm::estimate::picture_files::{encode_png, read_exr};
+use photonfarm::estimate::{Estimate, Picture, Region, Shard};
+use photonfarm::evaluation::{compare, signed_difference};
+use photonfarm::method::{self, MethodChoice};
+use photonfarm::render::Renderer;
+use photonfarm::scene::{Scene, import};
+use serde_json::{Map, Value, json};
+
+const PICTURES: &str = "docs/pictures/experiments";
+/// Passes traced with one radius field, as many as a small farm has in flight.
+const PASSES_PER_FIELD: u32 = 16;
+
+type Outcome<T> = Result<T, Box<dyn Error>>;
+
+/// When a render ends.
+#[derive(Clone, Copy)]
+enum Until {
+    Passes(u32),
+    /// Processor-seconds, taken as seconds times threads.
+    Seconds(f64),
+}
+
+fn main() -> Outcome<()> {
+    let seconds: f64 =
+        std::env::args().nth(1).ok_or("say how many processor-seconds a picture takes, for example 60")?.parse()?;
+    fs::create_dir_all(PICTURES)?;
+    strategies()?;
+    weight_maps()?;
+    differences()?;
+    equal_time("kitchen-counter", &["path", "photon_map", "bdpm", "sppm", "pbdpm", "vcm"], seconds)?;
+    equal_time("concert-hall", &["path", "sppm", "pbdpm", "vcm"], seconds)?;
+    time_shares()
+}
+
+fn scene(name: &str, size: u32) -> Outcome<Arc<Scene>> {
+    let file = Path::new("scenes").join(name).join("scene.xml");
+    let description = import::load_file(&file, &[("size".to_owned(), size.to_string())])?;
+    Ok(Arc::new(Scene::prepare(&description)?))
+}
+
+/// Renders with JSON parameters; also the passes it took.
+fn render(scene: &Arc<Scene>, method: &str, parameters: &Value, until: Until) -> Outcome<(Picture, u32)> {
+    let parameters = parameters.as_object().cloned().unwrap_or_else(Map::new);
+    let choice = MethodChoice { name: method.to_owned(), parameters };
+    let checked = method::check(&choice, scene.pixel_count() as u64)?;
+    let start = Instant::now();
+    let renderer = Renderer::new(scene.clone(), &checked, 1)?;
+    let go_on = AtomicBool::new(false);
+    let region = Region { row_start: 0, row_end: scene.height };
+    let first = renderer.pilot(&go_on)?.radius_squared;
+    let mut estimate = Estimate::new(scene.width, scene.height, &[region], &first, checked.radius_rule, checked.alpha);
+    let mut field = estimate.radius_field(region);
+    let goes_on = |passes: u32| match until {
+        Until::Passes(wanted) => passes < wanted,
+        Until::Seconds(wanted) => start.elapsed().as_secs_f64() * (rayon::current_num_threads() as f64) < wanted,
+    };
+    while goes_on(estimate.passes()) {
+        let first_pass = estimate.passes();
+        if first_pass.is_multiple_of(PASSES_PER_FIELD) {
+            field = estimate.radius_field(region);
+        }
+        let tally = renderer.trace(Shard { first_pass, passes: 1, region }, &field, &go_on)?;
+        estimate.merge(&tally, &field)?;
+    }
+    Ok((estimate.picture(), estimate.passes()))
+}
+
+/// Writes pictures of one height side by side.
+fn write_row(name: &str, pictures: &[Picture], exposure: f32) -> Outcome<()> {
+    let height = pictures.iter().map(|picture| picture.height).max().unwrap_or(0);
+    let mut radiance = Vec::new();
+    for row in 0..height as usize {
+        for picture in pictures {
+            let width = picture.width as usize;
+            radiance.extend_from_slice(&picture.radiance[row * width..(row + 1) * width]);
+        }
+    }
+    let width = pictures.iter().map(|picture| picture.width).sum();
+    let file = encode_png(&Picture { width, height, radiance }, exposure)?;
+    fs::write(Path::new(PICTURES).join(name), file)?;
+    Ok(())
+}
+
+/// Figures 2.1 and 4.5: paths of three segments, gathered at the first vertex, at the second, and by both.
+fn strategies() -> Outcome<()> {
+    let scene = scene("cornell-ward", 256)?;
+    let alone = |strategy: &str| json!({"length": 3, "strategy": strategy, "show": "unweighted", "camera_hits": "off", "light_hits": "off"});
+    let both = json!({"length": 3, "camera_hits": "off", "light_hits": "off"});
+    let pictures = [alone("2,1"), alone("1,2"), both]
+        .iter()
+        .map(|parameters| Ok(render(&scene, "pbdpm", parameters, Until::Passes(64))?.0))
+        .collect::<Outcome<Vec<_>>>()?;
+    write_row("strategies.png", &pictures, 0.0)
+}
+
+/// Figures 4.6 and 4.7: mean weights of the strategies that find paths of four segments, on a scale from blue over white to red.
+fn weight_maps() -> Outcome<()> {
+    let scene = scene("cornell-ward", 256)?;
+    let mut row = vec![scale(24, scene.height)];
+    println!("\n| photons gathered after | mean weight |\n|---|---:|");
+    for strategy in ["3,1", "2,2", "1,3"] {
+        let parameters =
+            json!({"length": 4, "strategy": strategy, "show": "weights", "camera_hits": "off", "light_hits": "off"});
+        let (found, _) = render(&scene, "pbdpm", &parameters, Until::Passes(64))?;
+        let weights =
+            found.radiance.iter().map(|[weight, count, _]| if *count > 0.0 { weight / count } else { f32::NAN });
+        let known: Vec<f32> = weights.clone().filter(|weight| weight.is_finite()).collect();
+        let mean = known.iter().sum::<f32>() / known.len().max(1) as f32;
+        println!("| {} camera segments | {mean:.3} |", &strategy[2..]);
+        row.push(Picture { radiance: weights.map(false_color).collect(), ..found });
+    }
+    write_row("weights.png", &row, 0.0)
+}
+
+/// Blue at 0, white at 0.5, red at 1; black where nothing was found.
+fn false_color(weight: f32) -> [f32; 3] {
+    let (low, high) = ((2.0 * weight).min(1.0), (2.0 - 2.0 * weight).min(1.0));
+    if weight.is_nan() { [0.0; 3] } else { [low, low.min(high), high] }
+}
+
+/// The scale of [`false_color`], 1 at the top.
+fn scale(width: u32, height: u32) -> Picture {
+    let color = |row: u32| false_color(1.0 - (row as f32 + 0.5) / height as f32);
+    let radiance = (0..height).flat_map(|row| vec![color(row); width as usize]).collect();
+    Picture { width, height, radiance }
+}
+
+/// Figures 4.8 and 4.9: signed differences to a converged picture by another renderer.
+fn differences() -> Outcome<()> {
+    let folder = Path::new("tests/references/glossy-blocks-a010");
+    let scene = Arc::new(Scene::prepare(&import::load_file(&folder.join("scene.xml"), &[])?)?);
+    let reference = read_exr(&folder.join("ref.exr"))?;
+    let paper = json!({"weights": "paper", "light_hits": "off", "camera_hits": "off"});
+    let consistent = json!({"light_hits": "off", "camera_hits": "off"});
+    let jobs = [
+        ("bdpm", "paper", &paper),
+        ("pbdpm", "paper", &paper),
+        ("bdpm", "consistent", &consistent),
+        ("pbdpm", "consistent", &consistent),
+        ("sppm", "", &Value::Null),
+    ];
+    let mut row = Vec::new();
+    println!("\n| method | weights | passes | mean bias | worst 8×8 block | relMSE |\n|---|---|---:|---:|---:|---:|");
+    for (method, weights, parameters) in jobs {
+        for passes in [64, 512] {
+            let (picture, _) = render(&scene, method, parameters, Until::Passes(passes))?;
+            let metrics = compare(&picture, &reference, None)?;
+            let (bias, block) = (100.0 * metrics.bias, 100.0 * metrics.block_bias_max);
+            println!("| {method} | {weights} | {passes} | {bias:+.2} % | {block:.1} % | {:.5} |", metrics.relmse);
+            if passes == 512 {
+                row.push(signed_difference(&picture, &reference, 0.2));
+            }
+        }
+    }
+    write_row("differences.png", &row, 0.0)
+}
+
+/// Figures 4.2, 4.3 and 4.10: the same processor time for each method, beside a longer render.
+fn equal_time(name: &str, methods: &[&str], seconds: f64) -> Outcome<()> {
+    let scene = scene(name, 256)?;
+    let longest = json!({"max_depth": 7});
+    let (reference, passes) = render(&scene, "vcm", &longest, Until::Seconds(8.0 * seconds))?;
+    println!("\n{name}, beside {passes} passes of `vcm`:\n\n| method | passes | relMSE | mean |\n|---|---:|---:|---:|");
+    let mut row = Vec::new();
+    for method in methods {
+        let (picture, passes) = render(&scene, method, &longest, Until::Seconds(seconds))?;
+        let metrics = compare(&picture, &reference, None)?;
+        println!("| {method} | {passes} | {:.4} | {:+.2} % |", metrics.relmse_trimmed, 100.0 * metrics.bias);
+        row.push(picture);
+    }
+    row.push(reference);
+    write_row(&format!("{name}.png"), &row, 0.0)
+}
+
+/// Table 4.11: what a pass costs without weights, and without density estimates at all.
+fn time_shares() -> Outcome<()> {
+    println!("\n| scene | density estimates | of these, weights | a pass |\n|---|---:|---:|---:|");
+    for name in ["kitchen-counter", "cornell-ward", "concert-hall"] {
+        let scene = scene(name, 256)?;
+        let time = |method: &str, parameters: Value| -> Outcome<f64> {
+            let start = Instant::now();
+            render(&scene, method, &parameters, Until::Passes(1))?;
+            let first = start.elapsed().as_secs_f64();
+            let start = Instant::now();
+            render(&scene, method, &parameters, Until::Passes(17))?;
+            Ok((start.elapsed().as_secs_f64() - first) / 16.0)
+        };
+        let shared = json!({"max_depth": 7, "light_hits": "off", "camera_hits": "off"});
+        let with = |key: &str, value: Value| {
+            let mut parameters = shared.clone();
+            parameters[key] = value;
+            parameters
+        };
+        let whole = time("bdpm", shared.clone())?;
+        let unweighted = time("bdpm", with("show", json!("unweighted")))?;
+        // A radius within which nothing lies.
+        let walks = time("bdpm", with("initial_radius", json!(1e-6)))?;
+        let [estimates, weights] = [whole - walks, whole - unweighted].map(|part| 100.0 * part / whole);
+        println!("| {name} | {estimates:.0} % | {weights:.0} % | {whole:.2} s |");
+    }
+    Ok(())
+}
