@@ -3,6 +3,9 @@
 //! `cargo run --release --example equal_time_table -- 30 [reference …]` gives each cell 30 processor-seconds of one thread: with 9
 //! methods and 11 references that is 50 minutes. Processor time is Linux's own count for this process.
 
+#[path = "support/processor_time.rs"]
+mod processor_time;
+
 use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
@@ -14,6 +17,7 @@ use photonfarm::evaluation::compare;
 use photonfarm::method::{self, MethodChoice, SceneTraits};
 use photonfarm::render::Renderer;
 use photonfarm::scene::{Scene, import};
+use processor_time::processor_seconds;
 
 const REFERENCES: &str = "tests/references";
 /// Passes traced with one radius field, as many as a small farm has in flight.
@@ -86,15 +90,4 @@ fn row(
         100.0 * metrics.bias,
         100.0 * metrics.block_bias_max
     ))
-}
-
-/// User and system time of this process so far.
-fn processor_seconds() -> Result<f64, Box<dyn Error>> {
-    /// Linux reports times in hundredths of a second whatever the kernel's own clock.
-    const TICKS_PER_SECOND: f64 = 100.0;
-    let text = std::fs::read_to_string("/proc/self/stat")?;
-    let after_name = text.rsplit_once(')').ok_or("the process's own statistics have no name")?.1;
-    let fields: Vec<&str> = after_name.split_whitespace().collect();
-    let [user, system] = [11, 12].map(|index| fields.get(index).and_then(|field| field.parse::<f64>().ok()));
-    Ok((user.unwrap_or(0.0) + system.unwrap_or(0.0)) / TICKS_PER_SECOND)
 }

@@ -4,12 +4,14 @@
 //! `cargo run --release --example experiments -- 60` gives each equal-time picture 60 processor-seconds; all together take about
 //! 30 minutes on two cores.
 
+#[path = "support/processor_time.rs"]
+mod processor_time;
+
 use std::error::Error;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use photonfarm::estimate::picture_files::{encode_png, read_exr};
 use photonfarm::estimate::{Estimate, Picture, Region, Shard};
@@ -17,6 +19,7 @@ use photonfarm::evaluation::{compare, signed_difference};
 use photonfarm::method::{self, MethodChoice};
 use photonfarm::render::Renderer;
 use photonfarm::scene::{Scene, import};
+use processor_time::processor_seconds;
 use serde_json::{Map, Value, json};
 
 const PICTURES: &str = "docs/pictures/experiments";
@@ -29,7 +32,7 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 #[derive(Clone, Copy)]
 enum Until {
     Passes(u32),
-    /// Processor-seconds, taken as seconds times threads.
+    /// Processor-seconds.
     Seconds(f64),
 }
 
@@ -56,18 +59,20 @@ fn render(scene: &Arc<Scene>, method: &str, parameters: &Value, until: Until) ->
     let parameters = parameters.as_object().cloned().unwrap_or_else(Map::new);
     let choice = MethodChoice { name: method.to_owned(), parameters };
     let checked = method::check(&choice, scene.pixel_count() as u64)?;
-    let start = Instant::now();
+    let start = processor_seconds()?;
     let renderer = Renderer::new(scene.clone(), &checked, 1)?;
     let go_on = AtomicBool::new(false);
     let region = Region { row_start: 0, row_end: scene.height };
     let first = renderer.pilot(&go_on)?.radius_squared;
     let mut estimate = Estimate::new(scene.width, scene.height, &[region], &first, checked.radius_rule, checked.alpha);
     let mut field = estimate.radius_field(region);
-    let goes_on = |passes: u32| match until {
-        Until::Passes(wanted) => passes < wanted,
-        Until::Seconds(wanted) => start.elapsed().as_secs_f64() * (rayon::current_num_threads() as f64) < wanted,
+    let goes_on = |passes: u32| -> Outcome<bool> {
+        Ok(match until {
+            Until::Passes(wanted) => passes < wanted,
+            Until::Seconds(wanted) => processor_seconds()? - start < wanted,
+        })
     };
-    while goes_on(estimate.passes()) {
+    while goes_on(estimate.passes())? {
         let first_pass = estimate.passes();
         if first_pass.is_multiple_of(PASSES_PER_FIELD) {
             field = estimate.radius_field(region);
@@ -155,12 +160,12 @@ fn differences() -> Outcome<()> {
     let mut row = Vec::new();
     println!("\n| method | weights | passes | mean bias | worst 8×8 block | relMSE |\n|---|---|---:|---:|---:|---:|");
     for (method, weights, parameters) in jobs {
-        for passes in [64, 512] {
+        for passes in [64, 256] {
             let (picture, _) = render(&scene, method, parameters, Until::Passes(passes))?;
             let metrics = compare(&picture, &reference, None)?;
             let (bias, block) = (100.0 * metrics.bias, 100.0 * metrics.block_bias_max);
             println!("| {method} | {weights} | {passes} | {bias:+.2} % | {block:.1} % | {:.5} |", metrics.relmse);
-            if passes == 512 {
+            if passes == 256 {
                 row.push(signed_difference(&picture, &reference, 0.2));
             }
         }
@@ -191,12 +196,11 @@ fn time_shares() -> Outcome<()> {
     for name in ["kitchen-counter", "cornell-ward", "concert-hall"] {
         let scene = scene(name, 256)?;
         let time = |method: &str, parameters: Value| -> Outcome<f64> {
-            let start = Instant::now();
+            let start = processor_seconds()?;
             render(&scene, method, &parameters, Until::Passes(1))?;
-            let first = start.elapsed().as_secs_f64();
-            let start = Instant::now();
+            let first = processor_seconds()?;
             render(&scene, method, &parameters, Until::Passes(17))?;
-            Ok((start.elapsed().as_secs_f64() - first) / 16.0)
+            Ok((processor_seconds()? - first - (first - start)) / 16.0)
         };
         let shared = json!({"max_depth": 7, "light_hits": "off", "camera_hits": "off"});
         let with = |key: &str, value: Value| {
