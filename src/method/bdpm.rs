@@ -31,6 +31,8 @@ const NAME: &str = "bdpm";
 const PARAMETERS: &[ParameterHelp] = &[
     PHOTONS,
     INITIAL_RADIUS,
+    help("kernel", "how photons count by their distance", "disc, cone, epanechnikov", "disc"),
+    help("neighbors", "only the nearest photons, within the radius; 0 for all", "0, 2 to 65536", "0"),
     help("weights", "how pairs of photon and path are weighted", "consistent, paper", "consistent"),
     help("light_hits", "whether camera paths that hit lights count", "on, off", "on"),
     help("camera_hits", "whether photons are connected with the camera", "on, off", "on"),

@@ -8,6 +8,7 @@ use super::{CheckedMethod, MethodChoice, MethodError};
 use crate::estimate::RadiusRule;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
+use crate::transport::kernel::Kernel;
 
 /// A part of a method that can be left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,6 +55,8 @@ pub struct BidirectionalParameters {
     pub light_hits: Switch,
     pub camera_hits: Switch,
     pub weights: Weights,
+    pub kernel: Kernel,
+    pub neighbors: u32,
     pub heuristic: Heuristic,
     pub max_depth: i64,
     pub rr_depth: i64,
@@ -77,6 +80,8 @@ impl Default for BidirectionalParameters {
             light_hits: Switch::On,
             camera_hits: Switch::On,
             weights: Weights::Consistent,
+            kernel: Kernel::Disc,
+            neighbors: 0,
             heuristic: Heuristic::Balance,
             max_depth: -1,
             rr_depth: 3,
@@ -157,6 +162,7 @@ impl ParameterSet for BidirectionalParameters {
             ("initial_radius", radius(&self.initial_radius).is_some()),
             ("max_depth", is_depth(self.max_depth)),
             ("rr_depth", self.rr_depth >= 1),
+            ("neighbors", self.neighbors == 0 || (2..=65_536).contains(&self.neighbors)),
             ("length", length(&self.length).is_some()),
             ("strategy", strategy(&self.strategy).is_some()),
             ("passes", (1..=1 << 31).contains(&self.passes)),

@@ -19,10 +19,12 @@ use crate::math::Rgb;
 use crate::math::random::dimension;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
-    CameraWalk, LightWalk, MergeRecord, Selection, Show, StoredVertex, Techniques, Vertex, Weighting, connect,
+    CameraWalk, LightWalk, MergeRecord, Merging, Selection, Show, StoredVertex, Techniques, Vertex, Weighting, connect,
     direct_light, merge, merge_records, to_camera,
 };
-use crate::transport::photon_map::{Grid, Photon, PhotonChunk, PhotonMap};
+use crate::transport::first_radius::FIRST_GATHER_PHOTONS;
+use crate::transport::kernel::Kernel;
+use crate::transport::photon_map::{Grid, Nearest, Photon, PhotonChunk, PhotonMap};
 use crate::transport::photon_tracing::stored;
 use crate::transport::{Counters, Limits};
 
@@ -40,6 +42,9 @@ pub struct BidirectionalPasses {
     weighting: Weighting,
     selection: Selection,
     light_paths: u32,
+    kernel: Kernel,
+    /// Only so many photons are merged with a vertex; 0 for all within the radius.
+    neighbors: u32,
     /// Finds first radii as `sppm` does.
     pilot: PhotonPasses,
 }
@@ -95,7 +100,8 @@ impl BidirectionalPasses {
             first_radius: parameters.first_radius(),
         };
         let weighting = parameters.weighting(techniques, light_paths);
-        Self { scene, seed, limits, weighting, selection: parameters.selection(), light_paths, pilot }
+        let (selection, kernel, neighbors) = (parameters.selection(), parameters.kernel, parameters.neighbors);
+        Self { scene, seed, limits, weighting, selection, light_paths, kernel, neighbors, pilot }
     }
 
     fn uses(&self, techniques: Techniques) -> bool {
@@ -219,7 +225,9 @@ impl BidirectionalPasses {
             first += chunk.vertices.len() as u32;
         }
         let (low, high) = self.scene.geometry.bounds();
-        let cell = 2.0 * pass.typical_radius_squared.sqrt();
+        // The search for the nearest begins with two cells, about where it ends.
+        let cells_per_radius = if self.neighbors == 0 { 0.5 } else { 4.0 };
+        let cell = pass.typical_radius_squared.sqrt() / cells_per_radius;
         let grid = Grid::new(low, high, cell, 4 * u64::from(self.light_paths).max(1 << 14));
         let sorted: Vec<PhotonChunk> =
             chunks.par_iter_mut().map(|chunk| PhotonChunk::sort(&std::mem::take(&mut chunk.photons), &grid)).collect();
@@ -235,13 +243,14 @@ struct CameraPass<'a> {
     paths: &'a LightPaths,
     /// The light subpath that a pixel's camera subpath is connected with.
     own: Vec<Vertex>,
+    nearest: Nearest,
     counters: Counters,
 }
 
 impl CameraPass<'_> {
     /// Adds the camera subpath of `pixel`, counted in the region.
     fn trace_pixel(&mut self, pixel: usize, tally: &mut PixelTally) {
-        let Self { passes, pass, walk, paths, own, counters } = self;
+        let Self { passes, pass, walk, paths, own, nearest, counters } = self;
         let index = pixels_of(pass.region, passes.scene.width).start + pixel as u32;
         let acceptance = passes.acceptance(pass, pixel);
         own.clear();
@@ -259,8 +268,9 @@ impl CameraPass<'_> {
                 radiance += connect(walk, camera, light, acceptance, counters);
             }
             if let Some(map) = &paths.map {
-                let radius_squared = pass.radius_squared[pixel] * pass.scale;
-                let found = merge(walk, camera, map, &paths.records, radius_squared, acceptance);
+                let (records, kernel, neighbors) = (paths.records.as_slice(), passes.kernel, passes.neighbors);
+                let merging = Merging { map, records, kernel, neighbors };
+                let found = merge(walk, camera, &merging, pass.radius_squared[pixel] * pass.scale, nearest);
                 flux += found.0;
                 photons += found.1;
             }
@@ -294,8 +304,8 @@ impl PreparedMethod for BidirectionalPasses {
             .par_chunks_mut(width)
             .enumerate()
             .map(|(row, tallies)| {
-                let (own, counters) = (Vec::new(), Counters::default());
-                let mut camera = CameraPass { passes: self, pass, walk, paths: &paths, own, counters };
+                let (own, nearest, counters) = (Vec::new(), Nearest::default(), Counters::default());
+                let mut camera = CameraPass { passes: self, pass, walk, paths: &paths, own, nearest, counters };
                 if !cancel.load(Ordering::Relaxed) {
                     for (column, tally) in tallies.iter_mut().enumerate() {
                         camera.trace_pixel(row * width + column, tally);
@@ -312,7 +322,12 @@ impl PreparedMethod for BidirectionalPasses {
         if self.uses(Techniques::MERGE) {
             let (mut radii, counters) = self.pilot.pilot(cancel)?;
             if self.pilot.first_radius == Auto::Auto {
-                radii.iter_mut().for_each(|radius_squared| *radius_squared *= MERGED_SHARE);
+                let share = match self.neighbors {
+                    0 => MERGED_SHARE,
+                    // The nearest give the radius; this only bounds the search.
+                    neighbors => 4.0 * neighbors as f32 / FIRST_GATHER_PHOTONS,
+                };
+                radii.iter_mut().for_each(|radius_squared| *radius_squared *= share);
             }
             return Some((radii, counters));
         }

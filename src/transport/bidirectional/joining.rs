@@ -12,9 +12,10 @@ use crate::math::random::{PathRandom, dimension};
 use crate::math::{Rgb, Vec2, Vec3, octahedral};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
-use crate::scene::material::{Lobes, TransportMode};
+use crate::scene::material::{Lobes, Material, TransportMode, View};
 use crate::transport::direct_light::SHADOW_END;
-use crate::transport::photon_map::{GatherQuery, PhotonMap};
+use crate::transport::kernel::Kernel;
+use crate::transport::photon_map::{GatherQuery, Nearest, PhotonMap};
 use crate::transport::{Counters, shading};
 
 /// Whether nothing is between `vertex` and the end of a segment of length `distance` in `direction`.
@@ -160,54 +161,109 @@ pub fn merge_records(map: &PhotonMap, vertices: &[StoredVertex]) -> Vec<MergeRec
     (0..map.len()).into_par_iter().with_min_len(1 << 14).map(record).collect()
 }
 
-/// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`.
+/// Where the photons of a pass are found, and how they count.
+pub struct Merging<'a> {
+    /// All light vertices, as photons.
+    pub map: &'a PhotonMap,
+    /// What else is known of them.
+    pub records: &'a [MergeRecord],
+    /// How they count by their distance.
+    pub kernel: Kernel,
+    /// Only the nearest of them, at least 2; 0 for all within the radius.
+    pub neighbors: u32,
+}
+
+/// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`. Where only the nearest count, the
+/// flux is scaled to that radius.
 #[inline]
 pub fn merge(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
-    map: &PhotonMap,
-    records: &[MergeRecord],
+    merging: &Merging<'_>,
     radius_squared: f32,
-    acceptance: f32,
+    nearest: &mut Nearest,
 ) -> (Rgb, f32) {
     let hit = &camera.hit;
     let facing = hit.outgoing.dot(hit.geometric_normal);
+    let material = walk.scene.material(hit.shape);
     let query = GatherQuery {
         position: hit.position,
         normal: if facing < 0.0 { -hit.geometric_normal } else { hit.geometric_normal },
         radius_squared,
         most_segments: walk.limits.most_photon_segments(camera.segments),
         caustics_only: false,
-        both_sides: walk.scene.material(hit.shape).lobes().any(Lobes::TRANSMISSIVE),
+        both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
     };
-    let material = walk.scene.material(hit.shape);
-    let view = shading::view(hit, TransportMode::Radiance);
-    let constant = material.constant_value(&view);
-    let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
-    map.visit_indices(&query, |index| {
-        let light = &records[index];
+    let Merging { map, kernel, neighbors, .. } = *merging;
+    let mut sum = MergeSum::new(walk, camera, merging, radius_squared);
+    if neighbors > 0 {
+        map.nearest(&query, neighbors as usize, nearest);
+        let nearer = nearest.radius_squared();
+        sum.acceptance = walk.weighting.acceptance(nearer);
+        for (distance_squared, index) in nearest.photons() {
+            sum.add(index, kernel.weight(distance_squared / nearer) * (radius_squared / nearer));
+        }
+    } else if kernel == Kernel::Disc {
+        map.visit_indices(&query, |index| sum.add(index, 1.0));
+    } else {
+        map.visit_indices(&query, |index| {
+            let offset = Vec3::from_array(map.photon(index).position) - hit.position;
+            sum.add(index, kernel.weight(offset.length_squared() / radius_squared));
+        });
+    }
+    (sum.flux, sum.photons)
+}
+
+/// The sums of a merge.
+struct MergeSum<'a> {
+    walk: &'a CameraWalk<'a>,
+    camera: &'a Vertex,
+    merging: &'a Merging<'a>,
+    material: &'a Material,
+    view: View,
+    constant: Option<Rgb>,
+    acceptance: f32,
+    flux: Rgb,
+    photons: f32,
+}
+
+impl<'a> MergeSum<'a> {
+    #[inline]
+    fn new(walk: &'a CameraWalk<'a>, camera: &'a Vertex, merging: &'a Merging<'a>, radius_squared: f32) -> Self {
+        let material = walk.scene.material(camera.hit.shape);
+        let view = shading::view(&camera.hit, TransportMode::Radiance);
+        let constant = material.constant_value(&view);
+        let acceptance = walk.weighting.acceptance(radius_squared);
+        Self { walk, camera, merging, material, view, constant, acceptance, flux: Rgb::ZERO, photons: 0.0 }
+    }
+
+    /// Adds the photon at a place in the map.
+    #[inline(always)]
+    fn add(&mut self, index: usize, share: f32) {
+        let Self { walk, camera, view, .. } = *self;
+        let light = &self.merging.records[index];
         if !walk.selection.takes(camera.segments + light.segments, light.segments, camera.segments) {
             return;
         }
-        photons += 1.0;
-        let direction = octahedral::decode(light.direction);
-        let incident = hit.frame.to_local(direction);
+        self.photons += 1.0;
+        let incident = camera.hit.frame.to_local(octahedral::decode(light.direction));
         // Photons carry their cosine already.
-        let value = match constant {
+        let value = match self.constant {
             Some(value) if incident.z * view.outgoing.z > 0.0 => value,
             Some(_) => return,
-            None => material.evaluate(&view, incident),
+            None => self.material.evaluate(&view, incident),
         };
-        if value != Rgb::ZERO {
-            let weight = match walk.selection.show {
-                Show::Unweighted => 1.0,
-                _ => {
-                    let pdf = densities(walk.scene, hit, &view, incident);
-                    walk.weighting.merged([&camera.sums, &light.sums], pdf, acceptance)
-                }
-            };
-            flux += walk.selection.shown(camera.throughput * value * map.flux(index), weight);
+        if value == Rgb::ZERO {
+            return;
         }
-    });
-    (flux, photons)
+        let weight = match walk.selection.show {
+            Show::Unweighted => 1.0,
+            _ => {
+                let pdf = densities(walk.scene, &camera.hit, &view, incident);
+                walk.weighting.merged([&camera.sums, &light.sums], pdf, self.acceptance)
+            }
+        };
+        let carried = camera.throughput * value * self.merging.map.flux(index) * share;
+        self.flux += walk.selection.shown(carried, weight);
+    }
 }

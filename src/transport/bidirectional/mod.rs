@@ -25,7 +25,7 @@ mod vertex;
 pub mod weights;
 
 pub use camera_walk::CameraWalk;
-pub use joining::{MergeRecord, SeenVertex, connect, direct_light, merge, merge_records, to_camera};
+pub use joining::{MergeRecord, Merging, SeenVertex, connect, direct_light, merge, merge_records, to_camera};
 pub use light_walk::LightWalk;
 pub use selection::{Selection, Show};
 pub use stored_vertex::StoredVertex;
