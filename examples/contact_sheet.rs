@@ -3,6 +3,8 @@
 //! `cargo run --release --example contact_sheet -- sheet.png ours.exr reference.exr [more pairs]` takes seconds. Both pictures
 //! of a row get the exposure that puts the reference's 95th percentile at 0.8; the difference is relative to the brighter one,
 //! full color at 50 %. Pictures of one pair must have one size; each is shrunk to tiles of 256 pixels.
+//!
+//! `contact_sheet sheet.png alone a.exr b.exr …` lays pictures that have no reference three to a row.
 
 use std::error::Error;
 use std::path::Path;
@@ -15,11 +17,14 @@ const TILE: u32 = 256;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [sheet, pairs @ ..] = arguments.as_slice() else { return Err("name the sheet and pairs of pictures".into()) };
-    if pairs.is_empty() || !pairs.len().is_multiple_of(2) {
-        return Err("pictures come in pairs: ours.exr reference.exr".into());
-    }
-    let rows = pairs.chunks(2).map(|pair| row(&pair[0], &pair[1])).collect::<Result<Vec<_>, _>>()?;
+    let [sheet, pictures @ ..] = arguments.as_slice() else { return Err("name the sheet and pictures".into()) };
+    let rows = match pictures {
+        [mode, alone @ ..] if mode == "alone" => alone.chunks(3).map(row_alone).collect::<Result<Vec<_>, _>>()?,
+        pairs if !pairs.is_empty() && pairs.len().is_multiple_of(2) => {
+            pairs.chunks(2).map(|pair| row(&pair[0], &pair[1])).collect::<Result<Vec<_>, _>>()?
+        }
+        _ => return Err("pictures come in pairs: ours.exr reference.exr".into()),
+    };
     let height: u32 = rows.iter().map(RgbImage::height).sum();
     let mut all = RgbImage::new(3 * TILE, height);
     let mut top = 0;
@@ -45,6 +50,24 @@ fn row(ours: &str, reference: &str) -> Result<RgbImage, Box<dyn Error>> {
             row.put_pixel(x, y, shown(a, exposure));
             row.put_pixel(TILE + x, y, shown(b, exposure));
             row.put_pixel(2 * TILE + x, y, difference(a, b));
+        }
+    }
+    Ok(row)
+}
+
+/// Pictures side by side, each with an exposure of its own.
+fn row_alone(pictures: &[String]) -> Result<RgbImage, Box<dyn Error>> {
+    let tiles = pictures
+        .iter()
+        .map(|file| Ok(tile(&read_exr(Path::new(file))?)))
+        .collect::<Result<Vec<_>, Box<dyn Error>>>()?;
+    let height = tiles.iter().map(|tile| tile.height).max().unwrap_or(0);
+    let mut row = RgbImage::new(3 * TILE, height);
+    for (column, tile) in tiles.iter().enumerate() {
+        let exposure = 0.8 / percentile(tile);
+        for (index, pixel) in tile.pixels.iter().enumerate() {
+            let (x, y) = (index as u32 % TILE, index as u32 / TILE);
+            row.put_pixel(column as u32 * TILE + x, y, shown(*pixel, exposure));
         }
     }
     Ok(row)

@@ -34,6 +34,9 @@ const PATHS_PER_CHUNK: u32 = 2048;
 /// Of the area in which `sppm` would gather at first: every vertex of a path is merged, so each can do with fewer photons.
 const MERGED_SHARE: f32 = 0.25;
 
+/// Where the nearest photons give the radius, the search ends at so many times the area that they are expected in.
+const SEARCHED_AREA: f32 = 4.0;
+
 /// A scene and techniques, ready to trace.
 pub struct BidirectionalPasses {
     scene: Arc<Scene>,
@@ -124,9 +127,11 @@ impl BidirectionalPasses {
 
     /// ηᵝ of a pixel, counted in the region.
     fn acceptance(&self, pass: &Pass<'_>, pixel: usize) -> f32 {
-        match self.uses(Techniques::MERGE) {
-            true => self.weighting.acceptance(pass.radius_squared[pixel] * pass.scale),
-            false => 0.0,
+        let radius_squared = pass.radius_squared[pixel] * pass.scale;
+        match (self.uses(Techniques::MERGE), self.neighbors) {
+            (false, _) => 0.0,
+            (true, 0) => self.weighting.acceptance(radius_squared),
+            (true, _) => self.weighting.acceptance(radius_squared / SEARCHED_AREA),
         }
     }
 
@@ -270,7 +275,8 @@ impl CameraPass<'_> {
             if let Some(map) = &paths.map {
                 let (records, kernel, neighbors) = (paths.records.as_slice(), passes.kernel, passes.neighbors);
                 let merging = Merging { map, records, kernel, neighbors };
-                let found = merge(walk, camera, &merging, pass.radius_squared[pixel] * pass.scale, nearest);
+                let radius_squared = pass.radius_squared[pixel] * pass.scale;
+                let found = merge(walk, camera, &merging, radius_squared, acceptance, nearest);
                 flux += found.0;
                 photons += found.1;
             }
@@ -324,8 +330,7 @@ impl PreparedMethod for BidirectionalPasses {
             if self.pilot.first_radius == Auto::Auto {
                 let share = match self.neighbors {
                     0 => MERGED_SHARE,
-                    // The nearest give the radius; this only bounds the search.
-                    neighbors => 4.0 * neighbors as f32 / FIRST_GATHER_PHOTONS,
+                    neighbors => SEARCHED_AREA * neighbors as f32 / FIRST_GATHER_PHOTONS,
                 };
                 radii.iter_mut().for_each(|radius_squared| *radius_squared *= share);
             }

@@ -174,13 +174,14 @@ pub struct Merging<'a> {
 }
 
 /// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`. Where only the nearest count, the
-/// flux is scaled to that radius.
+/// flux is scaled to that radius; weights keep the pixel's `acceptance`, since all techniques must share one to add up to one.
 #[inline]
 pub fn merge(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
     merging: &Merging<'_>,
     radius_squared: f32,
+    acceptance: f32,
     nearest: &mut Nearest,
 ) -> (Rgb, f32) {
     let hit = &camera.hit;
@@ -195,11 +196,10 @@ pub fn merge(
         both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
     };
     let Merging { map, kernel, neighbors, .. } = *merging;
-    let mut sum = MergeSum::new(walk, camera, merging, radius_squared);
+    let mut sum = MergeSum::new(walk, camera, merging, acceptance);
     if neighbors > 0 {
         map.nearest(&query, neighbors as usize, nearest);
         let nearer = nearest.radius_squared();
-        sum.acceptance = walk.weighting.acceptance(nearer);
         for (distance_squared, index) in nearest.photons() {
             sum.add(index, kernel.weight(distance_squared / nearer) * (radius_squared / nearer));
         }
@@ -229,11 +229,10 @@ struct MergeSum<'a> {
 
 impl<'a> MergeSum<'a> {
     #[inline]
-    fn new(walk: &'a CameraWalk<'a>, camera: &'a Vertex, merging: &'a Merging<'a>, radius_squared: f32) -> Self {
+    fn new(walk: &'a CameraWalk<'a>, camera: &'a Vertex, merging: &'a Merging<'a>, acceptance: f32) -> Self {
         let material = walk.scene.material(camera.hit.shape);
         let view = shading::view(&camera.hit, TransportMode::Radiance);
         let constant = material.constant_value(&view);
-        let acceptance = walk.weighting.acceptance(radius_squared);
         Self { walk, camera, merging, material, view, constant, acceptance, flux: Rgb::ZERO, photons: 0.0 }
     }
 
