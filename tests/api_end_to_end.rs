@@ -105,6 +105,9 @@ async fn a_scene_becomes_a_picture() {
     assert_eq!((&last["state"], &last["passes_done"], &last["seed"]), (&json!("done"), &json!(4), &json!(7)));
     let (_, list) = answer(farm.get("/v1/jobs").await).await;
     assert_eq!(list["jobs"][0]["links"], job["links"]);
+    let (_, methods) = answer(farm.get("/v1/methods").await).await;
+    assert_eq!(methods["methods"][0]["name"], "sppm");
+    assert_eq!(methods["methods"][0]["parameters"][0]["name"], "alpha");
     let (_, workers) = answer(farm.get("/v1/workers").await).await;
     assert_eq!(workers["workers"].as_array().map(Vec::len), Some(2));
 
@@ -260,6 +263,7 @@ async fn the_description_names_every_address() {
         "/v1/jobs/{id}/events",
         "/v1/jobs/{id}/image.exr",
         "/v1/jobs/{id}/image.png",
+        "/v1/methods",
         "/v1/scenes",
         "/v1/scenes/{hash}",
         "/v1/workers",

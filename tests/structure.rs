@@ -297,6 +297,18 @@ fn structure_methods_have_complete_rows() {
 }
 
 #[test]
+fn structure_the_manual_names_every_method_and_parameter() {
+    let manual = fs::read_to_string("docs/METHODS.md").expect("the manual is in the repository");
+    for method in METHODS {
+        assert!(manual.contains(&format!("`{}`", method.name)), "docs/METHODS.md lacks {}", method.name);
+        for parameter in method.parameters {
+            let name = format!("`{}`", parameter.name);
+            assert!(manual.contains(&name), "docs/METHODS.md lacks {}.{}", method.name, parameter.name);
+        }
+    }
+}
+
+#[test]
 fn structure_files_are_short_and_named_for_what_they_hold() {
     const BANNED: &[&str] = &["util", "utils", "common", "helper", "helpers", "misc", "manager"];
     let mut violations = Vec::new();

@@ -116,8 +116,8 @@ pub const STRATEGY: ParameterHelp = help(
 /// For methods with light subpaths.
 pub const SHOW: ParameterHelp = help(
     "show",
-    "radiance; unweighted, as if each strategy stood alone; or weights: red over green is the mean weight of what a pixel's \
-     strategies found",
+    "radiance; unweighted, as if each strategy stood alone; or weights: red over green is the mean weight of the light that \
+     a pixel's strategies found",
     "radiance, unweighted, weights",
     "radiance",
 );

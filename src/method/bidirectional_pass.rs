@@ -19,7 +19,7 @@ use crate::math::Rgb;
 use crate::math::random::dimension;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
-    CameraWalk, LightWalk, MergeRecord, Merging, Selection, Show, StoredVertex, Techniques, Vertex, Weighting, connect,
+    CameraWalk, LightWalk, MergeRecord, Merging, Selection, StoredVertex, Techniques, Vertex, Weighting, connect,
     direct_light, merge, merge_records, to_camera,
 };
 use crate::transport::first_radius::FIRST_GATHER_PHOTONS;
@@ -177,11 +177,8 @@ impl BidirectionalPasses {
             if region.contains(&pixel) {
                 let pixel = pixel - region.start;
                 let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
-                let scale = match self.selection.show {
-                    Show::Radiance | Show::Unweighted => filter / self.weighting.light_paths,
-                    Show::Weights => 1.0,
-                };
-                splats.push((pixel, self.selection.shown(seen.radiance, weight) * scale));
+                let radiance = seen.radiance * (filter / self.weighting.light_paths);
+                splats.push((pixel, self.selection.shown(radiance, weight)));
             }
         });
     }
@@ -282,11 +279,6 @@ impl CameraPass<'_> {
             }
             radiance
         });
-        // Counts of paths are not divided by areas.
-        let (radiance, flux) = match passes.selection.show {
-            Show::Radiance | Show::Unweighted => (radiance, flux),
-            Show::Weights => (radiance + flux, Rgb::ZERO),
-        };
         add_to_tally(tally, pass, radiance, flux, photons, counters);
     }
 }

@@ -1,6 +1,7 @@
 //! Looking at a part of all paths, or at their weights.
 
 use crate::math::Rgb;
+use crate::math::color::luminance;
 
 /// Which paths, and which ways of finding them, are counted. Their weights stay those of all techniques that take part.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,7 +23,7 @@ pub enum Show {
     Radiance,
     /// Its radiance as if no other way of finding it took part.
     Unweighted,
-    /// Its weight in red and 1 in green: red over green is the mean weight of what was found.
+    /// Its luminance in green and the part that its weight leaves in red: red over green is the mean weight of what was found.
     Weights,
 }
 
@@ -41,8 +42,7 @@ impl Selection {
         match self.show {
             Show::Radiance => radiance * weight,
             Show::Unweighted => radiance,
-            Show::Weights if radiance == Rgb::ZERO => Rgb::ZERO,
-            Show::Weights => Rgb::new(weight, 1.0, 0.0),
+            Show::Weights => Rgb::new(weight, 1.0, 0.0) * luminance(radiance),
         }
     }
 }
