@@ -180,14 +180,13 @@ fn agreement_cornell_diffuse() {
 #[test]
 fn agreement_of_kernels_and_neighbors() {
     let scene = reference_scene("cornell-diffuse");
-    let (expected, error) = mean_and_error(&scene, "bdpm", "{}", 8, 4);
+    let (expected, error) = mean_and_error(&scene, "bdpm", r#"{"photons_per_pass": 16384}"#, 8, 4);
     for parameters in [
-        r#"{"kernel": "cone"}"#,
-        r#"{"kernel": "epanechnikov"}"#,
-        r#"{"neighbors": 8}"#,
-        r#"{"neighbors": 8, "kernel": "cone"}"#,
-        r#"{"weights": "paper"}"#,
-        r#"{"light_hits": "off", "camera_hits": "off"}"#,
+        r#"{"photons_per_pass": 16384, "kernel": "cone"}"#,
+        r#"{"photons_per_pass": 16384, "neighbors": 8}"#,
+        r#"{"photons_per_pass": 16384, "neighbors": 8, "kernel": "epanechnikov"}"#,
+        r#"{"photons_per_pass": 16384, "weights": "paper"}"#,
+        r#"{"photons_per_pass": 16384, "light_hits": "off", "camera_hits": "off"}"#,
     ] {
         let (found, own_error) = mean_and_error(&scene, "bdpm", parameters, 8, 4);
         println!("{parameters}: {found:.5} ± {own_error:.5}, plain {expected:.5} ± {error:.5}");

@@ -84,8 +84,10 @@ pub struct FirstSegment {
     /// Of sampling the light from the photon's first hit; to be divided by the hit's cosine.
     pub light_sampling: f32,
     /// Of a direction from the first hit that hits the light; to be multiplied with that direction's density by solid angle and
-    /// divided by the hit's cosine. 0 where directions cannot hit the light.
+    /// the light's cosine, and divided by the hit's. 0 where directions cannot hit the light.
     pub light_hit: f32,
+    /// Cosine at the light; 1 where it is no surface.
+    pub light_cosine: f32,
 }
 
 /// A point of an emitting surface as another point sees it.

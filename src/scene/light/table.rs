@@ -110,17 +110,18 @@ impl LightTable {
             Origin::Surface { primitive, normal } => {
                 let seen = SeenPoint { primitive, position: photon.origin, cosine: normal.dot(photon.direction) };
                 let direct = light.direct_pdf(geometry, hit, &seen) * pick;
-                let light_hit = seen.cosine / photon.pdf;
-                FirstSegment { light_sampling: direct * light_hit, light_hit }
+                let light_sampling = direct * seen.cosine / photon.pdf;
+                FirstSegment { light_sampling, light_hit: 1.0 / photon.pdf, light_cosine: seen.cosine }
             }
             Origin::Point => {
                 let light_sampling = pick * hit.distance_squared(photon.origin) / photon.pdf;
-                FirstSegment { light_sampling, light_hit: 0.0 }
+                FirstSegment { light_sampling, light_hit: 0.0, light_cosine: 1.0 }
             }
             // The pick and the direction are in both densities.
             Origin::Distant { disc_area } => FirstSegment {
                 light_sampling: disc_area,
                 light_hit: if light.is_environment() { 1.0 / photon.pdf } else { 0.0 },
+                light_cosine: 1.0,
             },
         }
     }

@@ -103,8 +103,8 @@ pub struct SeenVertex {
     pub film: Vec2,
     /// Radiance of a pixel that the place lies in, times the number of light subpaths; without the weight.
     pub radiance: Rgb,
-    /// The density by area with which a camera subpath of that pixel finds the vertex.
-    density: f32,
+    /// The density by solid angle with which a camera subpath of that pixel finds the vertex, and what makes it one by area.
+    density: [f32; 2],
     reverse: f32,
     sums: Sums,
 }
@@ -134,13 +134,14 @@ pub fn to_camera(
     }
     let seen = scene.camera.look_at(light.hit.position, lens).filter(|seen| scene.film.reaches(seen.film))?;
     let reflected = light.reflect(scene, TransportMode::Flux, seen.direction)?;
-    let by_area = seen.pdf_solid_angle * scene.film.whole_pixel_count() / (seen.distance * seen.distance);
-    // One cosine is in the value.
-    let radiance = light.throughput * reflected.value * by_area;
+    let per_pixel = seen.pdf_solid_angle * scene.film.whole_pixel_count();
+    let distance_squared = seen.distance * seen.distance;
+    // The cosine is in the value.
+    let radiance = light.throughput * reflected.value * (per_pixel / distance_squared);
     if radiance == Rgb::ZERO || !is_open(scene, light, seen.direction, seen.visible_distance, counters) {
         return None;
     }
-    let density = by_area * reflected.cosine;
+    let density = [per_pixel, reflected.cosine / distance_squared];
     Some(SeenVertex { film: seen.film, radiance, density, reverse: reflected.pdf.reverse, sums: light.sums })
 }
 

@@ -140,7 +140,7 @@ impl Weighting {
     pub fn start_light(&self, first: &crate::scene::light::FirstSegment, cosine: f32) -> Sums {
         Sums {
             edge: self.share(Techniques::DIRECT) * self.raise_by(first.light_sampling, 1.0 / cosine),
-            join: self.share(Techniques::HIT) * self.raise_by(first.light_hit, 1.0 / cosine),
+            join: self.share(Techniques::HIT) * self.raise_by(first.light_hit, first.light_cosine / cosine),
             merge: 0.0,
         }
     }
@@ -184,15 +184,17 @@ impl Weighting {
         Sums { edge: 0.0, join: factor * sums.join, merge: factor * sums.merge }
     }
 
-    /// The part of the sum on one side of a joint, for a subpath that would have been prolonged by the joint's segment with
-    /// density `prolonged` by area, and whose last vertex it would have scattered back with density `reverse`.
+    /// The part of the sum on one side of a joint, for a subpath whose other end would have been prolonged by the joint's segment
+    /// with a density by solid angle and a factor that makes it one by area, and would have been scattered on with density
+    /// `reverse`.
     #[inline]
-    fn beyond(&self, sums: &Sums, prolonged: f32, reverse: f32, acceptance: f32) -> f32 {
+    fn beyond(&self, sums: &Sums, [prolonged, geometry]: [f32; 2], reverse: f32, acceptance: f32) -> f32 {
         if self.is_one_ended() {
             return 0.0;
         }
         let merged = acceptance * self.share(Techniques::MERGE);
-        self.raise(prolonged) * (merged + sums.edge + (sums.join + acceptance * sums.merge) * self.raise(reverse))
+        self.raise_by(prolonged, geometry)
+            * (merged + sums.edge + (sums.join + acceptance * sums.merge) * self.raise(reverse))
     }
 
     /// Weight of light sampling at a camera vertex: `pdf` of the material there, `cosine` towards the light.
@@ -209,7 +211,7 @@ impl Weighting {
             0.0 => 0.0,
             sampled => self.share(Techniques::HIT) * self.raise(pdf.forward / sampled),
         };
-        1.0 / (1.0 + hit + self.beyond(camera, light.emission_ratio * cosine, pdf.reverse, acceptance))
+        1.0 / (1.0 + hit + self.beyond(camera, [light.emission_ratio, cosine], pdf.reverse, acceptance))
     }
 
     /// Weight of a camera subpath of more than one segment that hit a light. `sampled` is the density of light sampling and
@@ -233,17 +235,18 @@ impl Weighting {
         distance_squared: f32,
         acceptance: f32,
     ) -> f32 {
-        let from_camera = at_camera.forward * cosine_light / distance_squared;
-        let from_light = at_light.forward * cosine_camera / distance_squared;
+        let from_camera = [at_camera.forward, cosine_light / distance_squared];
+        let from_light = [at_light.forward, cosine_camera / distance_squared];
         1.0 / (1.0
             + self.beyond(light, from_camera, at_light.reverse, acceptance)
             + self.beyond(camera, from_light, at_camera.reverse, acceptance))
     }
 
-    /// Weight of a light vertex that is connected with the camera, which would have found it with density `seen` by area.
+    /// Weight of a light vertex that is connected with the camera, which would have found it with density `seen` by solid angle,
+    /// to be multiplied with `geometry` for one by area.
     #[inline]
-    pub fn to_camera(&self, light: &Sums, seen: f32, reverse: f32, acceptance: f32) -> f32 {
-        1.0 / (1.0 + self.beyond(light, seen / self.light_paths, reverse, acceptance))
+    pub fn to_camera(&self, light: &Sums, [seen, geometry]: [f32; 2], reverse: f32, acceptance: f32) -> f32 {
+        1.0 / (1.0 + self.beyond(light, [seen / self.light_paths, geometry], reverse, acceptance))
     }
 
     /// Weight of a merge at a camera vertex, with the densities there towards the light and back.
