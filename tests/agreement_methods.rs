@@ -140,7 +140,7 @@ fn methods_agree_in_pairs() {
                     true => r#"{"initial_radius": 0.01, "photons_per_pass": 8192, "max_depth": 6}"#,
                     false => r#"{"max_depth": 6}"#,
                 };
-                let (mean, error) = mean_and_error(&scene, method, parameters, 16, 12);
+                let (mean, error) = mean_and_error(&scene, method, parameters, 16, 6);
                 println!("{light} {method}: {mean:.5} ± {error:.5}");
                 (*method, mean, error)
             })
