@@ -192,7 +192,7 @@ fn equal_time(name: &str, methods: &[&str], seconds: f64) -> Outcome<()> {
 
 /// Table 4.11: what a pass costs without weights, and without density estimates at all.
 fn time_shares() -> Outcome<()> {
-    println!("\n| scene | density estimates | of these, weights | a pass |\n|---|---:|---:|---:|");
+    println!("\n| scene | density estimates | weights, in them | a pass |\n|---|---:|---:|---:|");
     for name in ["kitchen-counter", "cornell-ward", "concert-hall"] {
         let scene = scene(name, 256)?;
         let time = |method: &str, parameters: Value| -> Outcome<f64> {
