@@ -16,26 +16,22 @@
 //!
 //! Limits: the radius stays, so a bias stays: `pbdpm` shrinks it.
 
-use std::sync::Arc;
-
 use super::bidirectional_parameters::{
-    BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH, SHOW, STRATEGY,
+    BidirectionalParameters, CAMERA_HITS, HEURISTIC, INITIAL_RADIUS, LENGTH, LIGHT_HITS, MAX_DEPTH, PASSES, PHOTONS,
+    RR_DEPTH, SHOW, STRATEGY, WEIGHTS,
 };
-use super::bidirectional_pass::BidirectionalPasses;
+use super::bidirectional_pass::Recipe;
 use super::parameters::help;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, blind_to_nothing};
-use crate::scene::Scene;
-use crate::transport::bidirectional::Techniques;
+use super::{MethodEntry, ParameterHelp, blind_to_nothing};
 
-const NAME: &str = "bdpm";
 const PARAMETERS: &[ParameterHelp] = &[
     PHOTONS,
     INITIAL_RADIUS,
     help("kernel", "how photons count by their distance", "disc, cone, epanechnikov", "disc"),
     help("neighbors", "only the nearest photons, within the radius; 0 for all", "0, 2 to 65536", "0"),
-    help("weights", "how pairs of photon and path are weighted", "consistent, paper", "consistent"),
-    help("light_hits", "whether camera paths that hit lights count", "on, off", "on"),
-    help("camera_hits", "whether photons are connected with the camera", "on, off", "on"),
+    WEIGHTS,
+    LIGHT_HITS,
+    CAMERA_HITS,
     HEURISTIC,
     STRATEGY,
     SHOW,
@@ -45,32 +41,17 @@ const PARAMETERS: &[ParameterHelp] = &[
     PASSES,
 ];
 
+const RECIPE: Recipe =
+    Recipe { name: "bdpm", parameters: PARAMETERS, techniques: BidirectionalParameters::photon_techniques };
+
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: RECIPE.name,
     summary: "bidirectional photon mapping: photons at every camera vertex, weighted in pairs",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011",
-    parameters: PARAMETERS,
+    parameters: RECIPE.parameters,
     blind_to: blind_to_nothing,
-    check,
-    prepare,
+    check: |choice, pixels| RECIPE.check(choice, pixels),
+    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
-
-fn techniques(parameters: &BidirectionalParameters) -> Techniques {
-    Techniques::MERGE
-        .with(Techniques::HIT, parameters.light_hits.is_on())
-        .with(Techniques::CAMERA, parameters.camera_hits.is_on())
-}
-
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
-}
-
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
-}

@@ -14,29 +14,27 @@
 //! Limits: paths on which a specular surface follows wherever they could be joined (a caustic seen in a mirror) are found only when
 //! they hit a lamp by chance.
 
-use std::sync::Arc;
-
 use super::bidirectional_parameters::{
     BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH, SHOW, STRATEGY,
 };
-use super::bidirectional_pass::BidirectionalPasses;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
-use crate::scene::Scene;
+use super::bidirectional_pass::Recipe;
+use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
-const NAME: &str = "bdpt";
 const PARAMETERS: &[ParameterHelp] = &[HEURISTIC, STRATEGY, SHOW, MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
+
+const RECIPE: Recipe = Recipe { name: "bdpt", parameters: PARAMETERS, techniques };
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: RECIPE.name,
     summary: "bidirectional path tracing: every light and camera vertex connected",
     cannot_sample: "light of point, spot and directional lights through glass onto what glass or mirrors show",
     reference: "Lafortune & Willems 1993; Veach 1997, chapter 10",
-    parameters: PARAMETERS,
+    parameters: RECIPE.parameters,
     blind_to,
-    check,
-    prepare,
+    check: |choice, pixels| RECIPE.check(choice, pixels),
+    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
 
 fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
@@ -47,16 +45,4 @@ fn blind_to(_: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
     (traits.point_lights && traits.specular)
         .then_some("light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
                     glass; sppm and vcm do")
-}
-
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
-}
-
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
 }

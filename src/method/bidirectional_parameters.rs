@@ -131,6 +131,14 @@ pub const PHOTONS: ParameterHelp = help(
 /// For methods that merge.
 pub const INITIAL_RADIUS: ParameterHelp =
     help("initial_radius", "first merging radius, m", "above 0, auto", "auto: per pixel by a pilot pass");
+/// For `bdpm` and `pbdpm`.
+pub const WEIGHTS: ParameterHelp =
+    help("weights", "how pairs of photon and path are weighted", "consistent, paper", "consistent");
+/// For `bdpm` and `pbdpm`.
+pub const LIGHT_HITS: ParameterHelp = help("light_hits", "whether camera paths that hit lights count", "on, off", "on");
+/// For `bdpm` and `pbdpm`.
+pub const CAMERA_HITS: ParameterHelp =
+    help("camera_hits", "whether photons are connected with the camera", "on, off", "on");
 /// For methods that merge progressively.
 pub const ALPHA: ParameterHelp =
     help("alpha", "share of each pass's photons that is kept as the radius shrinks", "above 0, below 1", "0.6667");
@@ -185,11 +193,8 @@ impl BidirectionalParameters {
         pixels: u64,
     ) -> CheckedMethod {
         let merges = techniques.any(Techniques::MERGE);
-        let photons_per_pass = match photon_count(&self.photons_per_pass) {
-            Some(Auto::Value(count)) if merges => count,
-            _ if merges => pixels.clamp(1 << 16, 1 << 20) as u32,
-            _ => pixels as u32,
-        };
+        let photons_per_pass =
+            if merges { parameters::photons_for(&self.photons_per_pass, pixels) } else { pixels as u32 };
         self.photons_per_pass = photons_per_pass.into();
         let progressive = known.iter().any(|parameter| parameter.name == ALPHA.name);
         let (radius_rule, alpha) = match merges {
@@ -200,6 +205,13 @@ impl BidirectionalParameters {
         let passes = self.passes;
         let choice = parameters::written_out(name, self, known);
         CheckedMethod { choice, radius_rule, alpha, photons_per_pass, passes }
+    }
+
+    /// Merging, and what [`LIGHT_HITS`] and [`CAMERA_HITS`] add to it.
+    pub fn photon_techniques(&self) -> Techniques {
+        Techniques::MERGE
+            .with(Techniques::HIT, self.light_hits.is_on())
+            .with(Techniques::CAMERA, self.camera_hits.is_on())
     }
 
     /// Limits on path length.

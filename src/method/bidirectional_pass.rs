@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::bidirectional_parameters::BidirectionalParameters;
 use super::parameters::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{CheckedMethod, Pass, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
 use crate::math::Rgb;
 use crate::math::random::dimension;
@@ -36,6 +36,37 @@ const MERGED_SHARE: f32 = 0.25;
 
 /// Where the nearest photons give the radius, the search ends at so many times the area that they are expected in.
 const SEARCHED_AREA: f32 = 4.0;
+
+/// What makes a method of this family: its name, its parameters, and the techniques that these choose.
+pub struct Recipe {
+    /// Name in the table.
+    pub name: &'static str,
+    /// Its parameters.
+    pub parameters: &'static [ParameterHelp],
+    /// Its techniques.
+    pub techniques: fn(&BidirectionalParameters) -> Techniques,
+}
+
+impl Recipe {
+    /// Checks a choice for a picture of so many pixels.
+    pub fn check(&self, choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
+        let parameters = BidirectionalParameters::read(self.name, choice, self.parameters)?;
+        let techniques = (self.techniques)(&parameters);
+        Ok(parameters.checked(self.name, self.parameters, techniques, pixels))
+    }
+
+    /// Prepares a checked choice for a scene.
+    pub fn prepare(
+        &self,
+        scene: Arc<Scene>,
+        method: &CheckedMethod,
+        seed: u64,
+    ) -> Result<Box<dyn PreparedMethod>, MethodError> {
+        let parameters = BidirectionalParameters::read(self.name, &method.choice, self.parameters)?;
+        let techniques = (self.techniques)(&parameters);
+        Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
+    }
+}
 
 /// A scene and techniques, ready to trace.
 pub struct BidirectionalPasses {

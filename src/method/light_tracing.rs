@@ -10,27 +10,25 @@
 //!
 //! Limits: whatever the camera sees in mirrors or through glass stays black.
 
-use std::sync::Arc;
-
 use super::bidirectional_parameters::{BidirectionalParameters, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
-use super::bidirectional_pass::BidirectionalPasses;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
-use crate::scene::Scene;
+use super::bidirectional_pass::Recipe;
+use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
-const NAME: &str = "light_tracing";
 const PARAMETERS: &[ParameterHelp] = &[MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
+
+const RECIPE: Recipe = Recipe { name: "light_tracing", parameters: PARAMETERS, techniques };
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: RECIPE.name,
     summary: "light subpaths connected with the camera, for what only they can sample",
     cannot_sample: "anything that the camera sees in mirrors or through glass",
     reference: "Arvo 1986; Veach 1997, chapter 10",
-    parameters: PARAMETERS,
+    parameters: RECIPE.parameters,
     blind_to,
-    check,
-    prepare,
+    check: |choice, pixels| RECIPE.check(choice, pixels),
+    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
 
 fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
@@ -39,16 +37,4 @@ fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
 
 fn blind_to(_: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
     traits.specular.then_some("what is seen in mirrors or through glass, which stays black; sppm, vcm and bdpt do")
-}
-
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
-}
-
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
 }

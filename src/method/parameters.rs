@@ -179,6 +179,14 @@ pub fn photon_count(value: &Value) -> Option<Auto<u32>> {
     }
 }
 
+/// The photons of a pass for a picture of so many pixels: `auto` is one per pixel, 65536 to 1048576.
+pub fn photons_for(value: &Value, pixels: u64) -> u32 {
+    match photon_count(value) {
+        Some(Auto::Value(count)) => count,
+        _ => pixels.clamp(1 << 16, 1 << 20) as u32,
+    }
+}
+
 /// A radius above 0, m, or `auto`; `None` for anything else.
 pub fn radius(value: &Value) -> Option<Auto<f32>> {
     match value {
@@ -228,10 +236,7 @@ impl ProgressiveParameters {
 
     /// The choice with every default written out; `photons_per_pass: auto` becomes a number for `pixels`.
     pub fn checked(mut self, name: &str, known: &[ParameterHelp], pixels: u64) -> CheckedMethod {
-        let photons_per_pass = match photon_count(&self.photons_per_pass) {
-            Some(Auto::Value(count)) => count,
-            _ => pixels.clamp(1 << 16, 1 << 20) as u32,
-        };
+        let photons_per_pass = photons_for(&self.photons_per_pass, pixels);
         self.photons_per_pass = photons_per_pass.into();
         let (radius_rule, alpha, passes) = (self.radius_rule, self.alpha, self.passes);
         let choice = written_out(name, self, known);

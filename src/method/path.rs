@@ -13,16 +13,12 @@
 //! Limits: light that only mirrors or glass send to a surface is found when paths hit the lamp by chance: noisy from small lamps,
 //! never from point lights.
 
-use std::sync::Arc;
-
 use super::bidirectional_parameters::{BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
-use super::bidirectional_pass::BidirectionalPasses;
+use super::bidirectional_pass::Recipe;
 use super::parameters::help;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
-use crate::scene::Scene;
+use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
-const NAME: &str = "path";
 const PARAMETERS: &[ParameterHelp] = &[
     help("light_sampling", "whether points of lights are sampled at every surface", "on, off", "on"),
     help("material_sampling", "whether lights that the path hits by chance count", "on, off", "on"),
@@ -33,16 +29,18 @@ const PARAMETERS: &[ParameterHelp] = &[
     PASSES,
 ];
 
+const RECIPE: Recipe = Recipe { name: "path", parameters: PARAMETERS, techniques };
+
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: RECIPE.name,
     summary: "path tracing: light and material sampling combined",
     cannot_sample: "caustics of point, spot and directional lights; small lamps behind glass are very noisy",
     reference: "Kajiya 1986; Veach 1997, chapter 9",
-    parameters: PARAMETERS,
+    parameters: RECIPE.parameters,
     blind_to,
-    check,
-    prepare,
+    check: |choice, pixels| RECIPE.check(choice, pixels),
+    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
 
 fn techniques(parameters: &BidirectionalParameters) -> Techniques {
@@ -60,16 +58,4 @@ fn blind_to(method: &CheckedMethod, traits: SceneTraits) -> Option<&'static str>
         }
         _ => None,
     }
-}
-
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
-}
-
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
 }

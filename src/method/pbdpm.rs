@@ -14,27 +14,21 @@
 //!
 //! Limits: direct light comes from photons too, so it is blurred at first.
 
-use std::sync::Arc;
-
 use super::bidirectional_parameters::{
-    ALPHA, BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE,
-    RR_DEPTH, SHOW, STRATEGY,
+    ALPHA, BidirectionalParameters, CAMERA_HITS, HEURISTIC, INITIAL_RADIUS, LENGTH, LIGHT_HITS, MAX_DEPTH, PASSES,
+    PHOTONS, RADIUS_RULE, RR_DEPTH, SHOW, STRATEGY, WEIGHTS,
 };
-use super::bidirectional_pass::BidirectionalPasses;
-use super::parameters::help;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, blind_to_nothing};
-use crate::scene::Scene;
-use crate::transport::bidirectional::Techniques;
+use super::bidirectional_pass::Recipe;
+use super::{MethodEntry, ParameterHelp, blind_to_nothing};
 
-const NAME: &str = "pbdpm";
 const PARAMETERS: &[ParameterHelp] = &[
     ALPHA,
     RADIUS_RULE,
     PHOTONS,
     INITIAL_RADIUS,
-    help("weights", "how pairs of photon and path are weighted", "consistent, paper", "consistent"),
-    help("light_hits", "whether camera paths that hit lights count", "on, off", "on"),
-    help("camera_hits", "whether photons are connected with the camera", "on, off", "on"),
+    WEIGHTS,
+    LIGHT_HITS,
+    CAMERA_HITS,
     HEURISTIC,
     STRATEGY,
     SHOW,
@@ -44,32 +38,17 @@ const PARAMETERS: &[ParameterHelp] = &[
     PASSES,
 ];
 
+const RECIPE: Recipe =
+    Recipe { name: "pbdpm", parameters: PARAMETERS, techniques: BidirectionalParameters::photon_techniques };
+
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: RECIPE.name,
     summary: "progressive bidirectional photon mapping: bdpm with a shrinking radius",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011, section 3.4",
-    parameters: PARAMETERS,
+    parameters: RECIPE.parameters,
     blind_to: blind_to_nothing,
-    check,
-    prepare,
+    check: |choice, pixels| RECIPE.check(choice, pixels),
+    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
-
-fn techniques(parameters: &BidirectionalParameters) -> Techniques {
-    Techniques::MERGE
-        .with(Techniques::HIT, parameters.light_hits.is_on())
-        .with(Techniques::CAMERA, parameters.camera_hits.is_on())
-}
-
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
-}
-
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
-}

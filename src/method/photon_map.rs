@@ -144,10 +144,7 @@ impl ParameterSet for Parameters {
 
 fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
     let mut parameters: Parameters = parameters::read(NAME, &choice.parameters, PARAMETERS)?;
-    let photons_per_pass = match parameters::photon_count(&parameters.photons_per_pass) {
-        Some(Auto::Value(count)) => count,
-        _ => pixels.clamp(1 << 16, 1 << 20) as u32,
-    };
+    let photons_per_pass = parameters::photons_for(&parameters.photons_per_pass, pixels);
     parameters.photons_per_pass = photons_per_pass.into();
     let passes = parameters.passes;
     let choice = parameters::written_out(NAME, parameters, PARAMETERS);

@@ -12,19 +12,15 @@
 //!
 //! Limits: it does the work of both methods in every pass, which pays where neither alone finds all light well.
 
-use std::sync::Arc;
-
 use super::bidirectional_parameters::{
     ALPHA, BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE,
     RR_DEPTH, SHOW, STRATEGY,
 };
-use super::bidirectional_pass::BidirectionalPasses;
+use super::bidirectional_pass::Recipe;
 use super::parameters::help;
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, ParameterHelp, PreparedMethod, SceneTraits};
-use crate::scene::Scene;
+use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
-const NAME: &str = "vcm";
 const PARAMETERS: &[ParameterHelp] = &[
     help("connect", "whether vertices are connected", "on, off", "on"),
     help("merge", "whether vertices are merged", "on, off", "on"),
@@ -41,16 +37,18 @@ const PARAMETERS: &[ParameterHelp] = &[
     PASSES,
 ];
 
+const RECIPE: Recipe = Recipe { name: "vcm", parameters: PARAMETERS, techniques };
+
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: RECIPE.name,
     summary: "vertex connection and merging: bdpt and pbdpm in one",
     cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Georgiev et al. 2012",
-    parameters: PARAMETERS,
+    parameters: RECIPE.parameters,
     blind_to,
-    check,
-    prepare,
+    check: |choice, pixels| RECIPE.check(choice, pixels),
+    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
 
 fn techniques(parameters: &BidirectionalParameters) -> Techniques {
@@ -67,16 +65,4 @@ fn blind_to(method: &CheckedMethod, traits: SceneTraits) -> Option<&'static str>
         "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
          glass; merge: on does",
     )
-}
-
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(parameters.checked(NAME, PARAMETERS, techniques, pixels))
-}
-
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters = BidirectionalParameters::read(NAME, &method.choice, PARAMETERS)?;
-    let techniques = techniques(&parameters);
-    Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
 }
