@@ -31,6 +31,7 @@ fn stored_flux(scene: &Scene, most_segments: Option<u32>) -> (f64, f64) {
         seed: 5,
         stream: Stream::Photon,
         pass: 0,
+        paths: PATHS,
     };
     let (mut photons, mut counters) = (Vec::new(), Counters::default());
     let (mut sum, mut squares) = (0.0, 0.0);

@@ -114,7 +114,7 @@ async fn serve(handle: &CoordinatorHandle, address: SocketAddr) -> (SocketAddr, 
 }
 
 fn passes(passes: u32) -> StopRule {
-    StopRule { passes: Some(passes), seconds: None }
+    StopRule { passes: Some(passes), seconds: None, error: None }
 }
 
 /// The bits that one undisturbed single-threaded worker makes.
@@ -197,11 +197,29 @@ async fn a_worker_that_is_asked_to_stop_gives_its_work_back() {
 async fn a_job_stopped_by_seconds_has_the_bits_of_a_job_of_as_many_passes() {
     let farm = Farm::start(Duration::from_secs(15)).await;
     let _worker = farm.worker("alone", 1);
-    let id = farm.submit("statistics", StopRule { passes: None, seconds: Some(0.8) }).await;
+    let id = farm.submit("statistics", StopRule { passes: None, seconds: Some(0.8), error: None }).await;
     let stopped = farm.bits(&id).await;
     let done = farm.handle.job(&id).expect("a job").passes_done;
     let id = farm.submit("statistics", passes(done)).await;
     assert!(farm.bits(&id).await == stopped, "{done} passes");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_stopped_by_its_error_has_the_same_bits_from_any_farm() {
+    const WANTED: f64 = 0.02;
+    let mut pictures = Vec::new();
+    for workers in [1, 3] {
+        let farm = Farm::start(Duration::from_secs(15)).await;
+        let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
+        let id = farm.submit("statistics", StopRule { passes: None, seconds: None, error: Some(WANTED) }).await;
+        let bits = farm.bits(&id).await;
+        let status = farm.handle.job(&id).expect("a job");
+        let error = status.estimated_error.expect("an error estimate");
+        assert!(error.bound <= WANTED && error.relmse < error.bound, "{error:?}");
+        assert_eq!(error.passes, status.passes_done, "nothing is merged after the end");
+        pictures.push((status.passes_done, bits));
+    }
+    assert!(pictures[0] == pictures[1], "{} and {} passes", pictures[0].0, pictures[1].0);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -303,7 +321,7 @@ async fn requests_that_cannot_be_met_say_why() {
     assert!(matches!(farm.handle.submit(unknown).await, Err(FarmError::UnknownScene(_))));
     let method = JobRequest { method: Some("magic".into()), ..good.clone() };
     assert!(matches!(farm.handle.submit(method).await, Err(FarmError::BadMethod(_))));
-    for stop in [passes(0), StopRule { passes: None, seconds: Some(f64::NAN) }] {
+    for stop in [passes(0), StopRule { passes: None, seconds: Some(f64::NAN), error: None }] {
         let never = JobRequest { stop, ..good.clone() };
         assert!(matches!(farm.handle.submit(never).await, Err(FarmError::BadRequest { .. })));
     }

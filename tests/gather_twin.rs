@@ -79,7 +79,7 @@ fn build(photons: &[Photon], cell: f32, most_cells: u64) -> PhotonMap {
 
 fn twin(map: &PhotonMap, query: &GatherQuery) -> (f64, [f64; 3]) {
     let (mut count, mut flux) = (0.0, [0.0; 3]);
-    map.visit(query, |photon| {
+    map.visit(query, |photon, _| {
         count += 1.0;
         (0..3).for_each(|channel| flux[channel] += f64::from(photon.flux[channel]));
     });

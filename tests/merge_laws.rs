@@ -4,12 +4,13 @@
 mod progressive;
 
 use photonfarm::estimate::radius::shrinkage;
-use photonfarm::estimate::{Estimate, MergeError, RadiusField, RadiusRule, Region, Shard, Tally, TallyError};
+use photonfarm::estimate::{Estimate, MergeError, RadiusField, RadiusRule, Region, Shard, Tally, TallyError, Twin};
 use photonfarm::math::random::{PathRandom, Stream};
 use progressive::{Job, reference_scene};
 
 const ALPHA: f64 = 2.0 / 3.0;
 const PHOTONS: u64 = 1000;
+const BOTH: [Twin; 2] = [Twin::Even, Twin::Odd];
 
 fn region(rows: u32) -> Region {
     Region { row_start: 0, row_end: rows }
@@ -37,6 +38,7 @@ fn invented(first_pass: u32, rows: u32) -> Tally {
         // Every third pixel finds nothing now and then.
         let found = if (index as u32 + first_pass).is_multiple_of(3) { 0.0 } else { (a * 40.0).floor() };
         (pixel.photons, pixel.flux, pixel.radiance) = (found, [found * b, found * c, found], [d, 0.0, a]);
+        pixel.inner_flux = found * a * b;
     }
     tally
 }
@@ -86,11 +88,12 @@ fn merge_law_single_passes_are_the_textbook_update() {
     for (index, (pixel, twin)) in estimate.pixels.iter().zip(&twins).enumerate() {
         close(pixel.radius_squared, twin.radius_squared, 1e-9, "R²");
         close(pixel.photons, twin.photons, 1e-9, "N");
+        let sums = estimate.sums(index, &BOTH);
         for channel in 0..3 {
-            close(pixel.tau()[channel], twin.tau[channel], 1e-9, "τ");
+            close(sums.flux_density[channel] * pixel.radius_squared, twin.tau[channel], 1e-9, "τ");
             let emitted = (200 * PHOTONS) as f64;
             let flux = twin.tau[channel] / (std::f64::consts::PI * twin.radius_squared * emitted);
-            let expected = pixel.radiance[channel] / 200.0 + flux;
+            let expected = sums.radiance[channel] / 200.0 + flux;
             close(f64::from(picture.radiance[index][channel]), expected, 1e-6, "L");
         }
     }
@@ -104,6 +107,7 @@ fn joined(tallies: &[Tally]) -> Tally {
         sum.photons_emitted += tally.photons_emitted;
         for (pixel, more) in sum.pixels.iter_mut().zip(&tally.pixels) {
             pixel.photons += more.photons;
+            pixel.inner_flux += more.inner_flux;
             for channel in 0..3 {
                 pixel.flux[channel] += more.flux[channel];
                 pixel.radiance[channel] += more.radiance[channel];
@@ -135,7 +139,7 @@ fn merge_law_cuts_into_shards_do_not_matter_for_equal_passes() {
     // Every pass is like the first.
     let mut tallies = vec![invented(1, ROWS); 24];
     for (pass, tally) in tallies.iter_mut().enumerate() {
-        tally.shard.first_pass = pass as u32;
+        tally.shard.first_pass = 2 * pass as u32;
     }
     let whole = merged_in_shards(&tallies, &[24], RadiusRule::Statistics);
     for cut in CUTS {
@@ -150,18 +154,19 @@ fn merge_law_cuts_into_shards_do_not_matter_for_equal_passes() {
 #[test]
 fn merge_law_cuts_into_shards_keep_the_picture() {
     const ROWS: u32 = 16;
-    let tallies: Vec<Tally> = (0..24).map(|pass| invented(pass, ROWS)).collect();
+    let tallies: Vec<Tally> = (0..24).map(|pass| invented(2 * pass, ROWS)).collect();
     for rule in [RadiusRule::Statistics, RadiusRule::Schedule] {
         let whole = merged_in_shards(&tallies, &[24], rule);
         for cut in CUTS {
             let estimate = merged_in_shards(&tallies, cut, rule);
             assert_eq!(estimate.photons_emitted(), 24 * PHOTONS);
             assert_eq!(estimate.passes(), 24);
-            for (pixel, expected) in estimate.pixels.iter().zip(&whole.pixels) {
+            for (sums, expected) in estimate.twins[0].iter().zip(&whole.twins[0]) {
                 for channel in 0..3 {
-                    close(pixel.flux_density[channel], expected.flux_density[channel], 1e-6, "τ/R²");
-                    close(pixel.radiance[channel], expected.radiance[channel], 1e-6, "radiance");
+                    close(sums.flux_density[channel], expected.flux_density[channel], 1e-6, "τ/R²");
+                    close(sums.radiance[channel], expected.radiance[channel], 1e-6, "radiance");
                 }
+                close(sums.inner_flux_density, expected.inner_flux_density, 1e-6, "inner τ/R²");
             }
         }
     }
@@ -179,7 +184,7 @@ fn merge_law_cuts_into_shards_hardly_change_the_radius() {
         pixels.for_each(|(pixel, index)| pixel.photons = poisson(20.0, pass, index) as f32);
         tally
     };
-    let tallies: Vec<Tally> = (0..24).map(poisson_tally).collect();
+    let tallies: Vec<Tally> = (0..24).map(|pass| poisson_tally(2 * pass)).collect();
     let whole = merged_in_shards(&tallies, &[24], RadiusRule::Statistics);
     for cut in CUTS {
         let estimate = merged_in_shards(&tallies, cut, RadiusRule::Statistics);
@@ -204,8 +209,8 @@ fn merge_law_what_does_not_fit_is_refused_and_changes_nothing() {
         assert_eq!(estimate, before, "a refused tally changed the estimate");
         error
     };
-    assert_eq!(refuse(&invented(0, ROWS), &field), MergeError::OutOfOrder { expected: 1, found: 0 });
-    assert_eq!(refuse(&invented(2, ROWS), &field), MergeError::OutOfOrder { expected: 1, found: 2 });
+    assert_eq!(refuse(&invented(0, ROWS), &field), MergeError::OutOfOrder { expected: 2, found: 0 });
+    assert_eq!(refuse(&invented(3, ROWS), &field), MergeError::OutOfOrder { expected: 1, found: 3 });
 
     let mut elsewhere = Tally::zero(Shard { first_pass: 1, passes: 1, region: Region { row_start: 1, row_end: 3 } }, 1);
     elsewhere.photons_emitted = 1;
@@ -222,12 +227,13 @@ fn merge_law_what_does_not_fit_is_refused_and_changes_nothing() {
     assert_eq!(refuse(&dark, &field), TallyError::NothingEmitted.into());
 
     type Break = fn(&mut Tally);
-    let break_pixel: [(&str, Break); 5] = [
+    let break_pixel: [(&str, Break); 6] = [
         ("photons", |tally| tally.pixels[2].photons = -1.0),
         ("photons", |tally| tally.pixels[2].photons = f32::NAN),
         ("photons", |tally| tally.pixels[2].photons = f32::INFINITY),
         ("flux", |tally| tally.pixels[2].flux[1] = f32::NAN),
         ("radiance", |tally| tally.pixels[2].radiance[0] = f32::NEG_INFINITY),
+        ("inner flux", |tally| tally.pixels[2].inner_flux = f32::NAN),
     ];
     for (wrong, spoil) in break_pixel {
         let mut tally = invented(1, ROWS);

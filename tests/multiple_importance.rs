@@ -110,7 +110,7 @@ impl WholePath<'_> {
 /// Subpaths of one index, and the light's own point.
 fn subpaths(scene: &Scene, weighting: Weighting, index: u32) -> (Vec<Vertex>, Vec<Vertex>) {
     let limits = Limits { max_depth: Some(6), rr_depth: 100 };
-    let light_walk = LightWalk { scene, limits, weighting, seed: 3, pass: 0 };
+    let light_walk = LightWalk { scene, limits, weighting, seed: 3, pass: 0, paths: 1 << 16 };
     let selection = Selection::default();
     let camera_walk = CameraWalk { scene, limits, weighting, selection, seed: 3, pass: 0 };
     let (mut light, mut camera, mut counters) = (Vec::new(), Vec::new(), Counters::default());

@@ -21,6 +21,7 @@ fn tally() -> Tally {
         radiance: [index as f32, 0.5, -0.0],
         flux: [1e-30, 3.0e7, 1.0 / 3.0],
         photons: index as f32 * 1.5,
+        inner_flux: 0.25 * index as f32,
     };
     let pixels = (0..REGION.pixel_count(700)).map(pixel).collect();
     Tally { pixels, photons_emitted: 9, photons_stored: 8, rays: 7, non_finite: 6, ..Tally::zero(SHARD, 700) }
@@ -111,9 +112,9 @@ fn impossible_leases_are_refused() {
 /// A few bytes that claim to be a large picture are refused before memory is spent on it.
 #[test]
 fn a_short_message_does_not_become_a_large_allocation() {
-    assert!(planes::decompress::<7>(&[0; 100], usize::MAX / 1000).is_err());
+    assert!(planes::decompress::<8>(&[0; 100], usize::MAX / 1000).is_err());
     assert!(planes::decompress::<1>(&[], 1).is_err());
-    assert!(planes::decompress::<7>(&[0; 100], usize::MAX).is_err());
+    assert!(planes::decompress::<8>(&[0; 100], usize::MAX).is_err());
 }
 
 /// More than one chunk, and none at all; nothing may be missing or left over.
@@ -130,16 +131,16 @@ fn chunks_join_without_a_seam() {
 
 proptest! {
     #[test]
-    fn planes_are_exact_for_any_count(bits in prop::collection::vec(prop::array::uniform7(any::<u32>()), 0..3000)) {
-        let records: Vec<[f32; 7]> = bits.iter().map(|record| record.map(f32::from_bits)).collect();
-        let read = planes::decompress::<7>(&planes::compress(&records), records.len()).expect("just compressed");
-        let read: Vec<[u32; 7]> = read.iter().map(|record| record.map(f32::to_bits)).collect();
+    fn planes_are_exact_for_any_count(bits in prop::collection::vec(prop::array::uniform8(any::<u32>()), 0..3000)) {
+        let records: Vec<[f32; 8]> = bits.iter().map(|record| record.map(f32::from_bits)).collect();
+        let read = planes::decompress::<8>(&planes::compress(&records), records.len()).expect("just compressed");
+        let read: Vec<[u32; 8]> = read.iter().map(|record| record.map(f32::to_bits)).collect();
         prop_assert_eq!(read, bits);
     }
 
     #[test]
     fn hostile_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..2000), count in 0usize..5000) {
-        let _ = planes::decompress::<7>(&bytes, count);
+        let _ = planes::decompress::<8>(&bytes, count);
         let _ = radius::decode_radii(&bytes, count);
         let _ = messages::ResultRequest::decode(&bytes[..]);
         if let Ok(message) = messages::Lease::decode(&bytes[..]) {

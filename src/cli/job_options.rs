@@ -30,6 +30,9 @@ pub(super) struct JobOptions {
     /// Stop after this many seconds.
     #[arg(long)]
     seconds: Option<f64>,
+    /// Stop when the picture's relMSE is below this, as the job itself estimates with 95 % confidence.
+    #[arg(long, value_name = "RELMSE")]
+    error: Option<f64>,
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -48,7 +51,7 @@ impl JobOptions {
             scene_inline: None,
             method: self.method.clone(),
             parameters: self.settings.iter().cloned().chain(length).chain(strategy).collect(),
-            stop: StopRule { passes: self.passes, seconds: self.seconds },
+            stop: StopRule { passes: self.passes, seconds: self.seconds, error: self.error },
             seed: self.seed,
         }
     }

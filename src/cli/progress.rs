@@ -50,7 +50,9 @@ impl Progress {
 fn share_done(status: &JobStatus) -> f64 {
     let by_passes = status.passes_total.map_or(0.0, |total| f64::from(status.passes_done) / f64::from(total.max(1)));
     let by_seconds = status.stop.seconds.map_or(0.0, |total| status.seconds / total);
-    by_passes.max(by_seconds).clamp(0.0, 1.0)
+    let bound = status.estimated_error.map_or(f64::INFINITY, |error| error.bound);
+    let by_error = status.stop.error.map_or(0.0, |wanted| wanted / bound);
+    by_passes.max(by_seconds).max(by_error).clamp(0.0, 1.0)
 }
 
 fn description(status: &JobStatus) -> String {
@@ -59,7 +61,8 @@ fn description(status: &JobStatus) -> String {
     }
     let total = status.passes_total.map(|total| format!(" of {total}")).unwrap_or_default();
     let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
-    format!("{}{total} passes, {}, {:.0} s{left}", status.passes_done, rate(status), status.seconds)
+    let error = status.estimated_error.map(|error| format!(", relMSE < {:.2e}", error.bound)).unwrap_or_default();
+    format!("{}{total} passes, {}, {:.0} s{left}{error}", status.passes_done, rate(status), status.seconds)
 }
 
 /// Photons per second in words.

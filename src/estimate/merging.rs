@@ -18,27 +18,27 @@
 
 use super::picture::Picture;
 use super::radius::{RadiusField, RadiusRule, typical_radius_squared};
-use super::shard::Region;
+use super::shard::{Region, Twin};
 use super::tally::{PixelTally, Tally, TallyError};
 
-/// The merged state of one pixel.
+/// What decides a pixel's radius, shared by both twins.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelEstimate {
     /// R², m².
     pub radius_squared: f64,
     /// N, accumulated photons (not whole: α of each pass's).
     pub photons: f64,
+}
+
+/// What a pixel's passes add up to, of one twin or of both.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelSums {
     /// τ/R² = Σ Φᵢ/R²ᵢ, W·sr⁻¹·m⁻².
     pub flux_density: [f64; 3],
     /// Σ of radiance over passes, W·sr⁻¹·m⁻².
     pub radiance: [f64; 3],
-}
-
-impl PixelEstimate {
-    /// τ, the un-normalised flux of the sources, W·sr⁻¹.
-    pub fn tau(&self) -> [f64; 3] {
-        self.flux_density.map(|density| density * self.radius_squared)
-    }
+    /// Σ Φ'ᵢ/R²ᵢ of the flux inside half the disc's area, mean of the channels, W·sr⁻¹·m⁻².
+    pub inner_flux_density: f64,
 }
 
 /// How far a region has come.
@@ -46,10 +46,17 @@ impl PixelEstimate {
 pub struct RegionProgress {
     /// The pixels.
     pub region: Region,
-    /// Passes merged; the next shard to merge must start here.
-    pub passes: u32,
+    /// Passes merged of each twin; the twin's next shard to merge starts after them.
+    pub passes: [u32; 2],
     /// E, photons emitted in them.
-    pub photons_emitted: u64,
+    pub photons_emitted: [u64; 2],
+}
+
+impl RegionProgress {
+    /// Passes merged of both twins.
+    pub fn all_passes(&self) -> u32 {
+        self.passes[0] + self.passes[1]
+    }
 }
 
 /// The job's merged state.
@@ -61,6 +68,8 @@ pub struct Estimate {
     pub height: u32,
     /// Row-major, top row first.
     pub pixels: Vec<PixelEstimate>,
+    /// The sums of each [`Twin`](super::shard::Twin), in the order of `pixels`.
+    pub twins: [Vec<PixelSums>; 2],
     /// The regions, from top to bottom.
     pub progress: Vec<RegionProgress>,
     /// Contributions dropped because they were not finite.
@@ -100,15 +109,14 @@ impl Estimate {
         alpha: f64,
     ) -> Self {
         assert_eq!(initial_radius_squared.len(), width as usize * height as usize, "one radius per pixel");
-        let pixel = |radius_squared: &f32| PixelEstimate {
-            radius_squared: f64::from(*radius_squared),
-            ..PixelEstimate::default()
-        };
-        let progress = |region: &Region| RegionProgress { region: *region, passes: 0, photons_emitted: 0 };
+        let pixel = |radius_squared: &f32| PixelEstimate { radius_squared: f64::from(*radius_squared), photons: 0.0 };
+        let progress = |region: &Region| RegionProgress { region: *region, passes: [0; 2], photons_emitted: [0; 2] };
+        let sums = vec![PixelSums::default(); initial_radius_squared.len()];
         Self {
             width,
             height,
             pixels: initial_radius_squared.iter().map(pixel).collect(),
+            twins: [sums.clone(), sums],
             progress: regions.iter().map(progress).collect(),
             non_finite: 0,
             rule,
@@ -118,12 +126,12 @@ impl Estimate {
 
     /// Passes merged in every region.
     pub fn passes(&self) -> u32 {
-        self.progress.iter().map(|progress| progress.passes).min().unwrap_or(0)
+        self.progress.iter().map(RegionProgress::all_passes).min().unwrap_or(0)
     }
 
     /// Photons emitted, summed over regions.
     pub fn photons_emitted(&self) -> u64 {
-        self.progress.iter().map(|progress| progress.photons_emitted).sum()
+        self.progress.iter().flat_map(|progress| progress.photons_emitted).sum()
     }
 
     /// Folds the next tally of its region into the state. `field` holds the radii with which it was traced.
@@ -139,30 +147,34 @@ impl Estimate {
             .iter_mut()
             .find(|progress| progress.region == shard.region)
             .ok_or(MergeError::UnknownRegion(shard.region))?;
-        if progress.passes != shard.first_pass {
-            return Err(MergeError::OutOfOrder { expected: progress.passes, found: shard.first_pass });
+        let twin = shard.twin() as usize;
+        let next = 2 * progress.passes[twin] + twin as u32;
+        if next != shard.first_pass {
+            return Err(MergeError::OutOfOrder { expected: next, found: shard.first_pass });
         }
         if field.radius_squared.len() != tally.pixels.len() {
             let (expected, found) = (tally.pixels.len(), field.radius_squared.len());
             return Err(TallyError::WrongSize { expected, found }.into());
         }
         let start = shard.region.row_start as usize * self.width as usize;
-        let pixels = &mut self.pixels[start..start + tally.pixels.len()];
+        let range = start..start + tally.pixels.len();
+        let (pixels, sums) = (&mut self.pixels[range.clone()], &mut self.twins[twin][range]);
         let inverse_passes = 1.0 / f64::from(shard.passes);
-        let groups = pixels.chunks_mut(LANES).zip(tally.pixels.chunks(LANES)).zip(field.radius_squared.chunks(LANES));
-        for ((pixels, found), used) in groups {
+        let groups = pixels.chunks_mut(LANES).zip(sums.chunks_mut(LANES));
+        let groups = groups.zip(tally.pixels.chunks(LANES)).zip(field.radius_squared.chunks(LANES));
+        for (((pixels, sums), found), used) in groups {
             let mut densities = [0.0; LANES];
-            for (((pixel, found), used), density) in pixels.iter_mut().zip(found).zip(used).zip(&mut densities) {
+            for (((sums, found), used), density) in sums.iter_mut().zip(found).zip(used).zip(&mut densities) {
                 let inverse_used = 1.0 / f64::from(*used);
-                pixel.add(found, inverse_used);
+                sums.add(found, inverse_used);
                 *density = f64::from(found.photons) * inverse_used * inverse_passes;
             }
             if self.rule == RadiusRule::Statistics {
                 shrink_radii(pixels, &densities, shard.passes, self.alpha);
             }
         }
-        progress.passes += shard.passes;
-        progress.photons_emitted += tally.photons_emitted;
+        progress.passes[twin] += shard.passes;
+        progress.photons_emitted[twin] += tally.photons_emitted;
         self.non_finite += tally.non_finite;
         Ok(())
     }
@@ -177,7 +189,7 @@ impl Estimate {
         RadiusField {
             radius_squared: pixels.iter().map(|pixel| pixel.radius_squared as f32).collect(),
             base_pass: match self.rule {
-                RadiusRule::Statistics => merged.map_or(0, |progress| progress.passes),
+                RadiusRule::Statistics => merged.map_or(0, RegionProgress::all_passes),
                 RadiusRule::Schedule => 0,
             },
             typical_radius_squared: self.typical_radius_squared(),
@@ -191,30 +203,73 @@ impl Estimate {
 
     /// Radiance as estimated so far: `L = Σradiance/passes + D/(π·E/passes)/passes`. Regions without a pass are black.
     pub fn picture(&self) -> Picture {
+        self.picture_of(&[Twin::Even, Twin::Odd])
+    }
+
+    /// The same of one twin alone.
+    pub fn twin_picture(&self, twin: Twin) -> Picture {
+        self.picture_of(&[twin])
+    }
+
+    fn picture_of(&self, twins: &[Twin]) -> Picture {
         let mut radiance = vec![[0.0f32; 3]; self.pixels.len()];
-        for progress in self.progress.iter().filter(|progress| progress.passes > 0) {
+        for progress in &self.progress {
             let start = progress.region.row_start as usize * self.width as usize;
             let range = start..start + progress.region.pixel_count(self.width);
-            let per_pass = 1.0 / f64::from(progress.passes);
-            // Without photons there is no flux that this could scale.
-            let per_photon = 1.0 / (std::f64::consts::PI * progress.photons_emitted.max(1) as f64);
-            for (output, pixel) in radiance[range.clone()].iter_mut().zip(&self.pixels[range]) {
+            let Some(scale) = progress.scale(twins) else { continue };
+            for (index, output) in range.clone().zip(&mut radiance[range]) {
+                let sums = self.sums(index, twins);
                 for (channel, value) in output.iter_mut().enumerate() {
-                    *value = (pixel.radiance[channel] * per_pass + pixel.flux_density[channel] * per_photon) as f32;
+                    *value = (sums.radiance[channel] * scale.per_pass + sums.flux_density[channel] * scale.per_photon)
+                        as f32;
                 }
             }
         }
         Picture { width: self.width, height: self.height, radiance }
     }
+
+    /// What the passes of `twins` add up to in a pixel.
+    pub fn sums(&self, pixel: usize, twins: &[Twin]) -> PixelSums {
+        let mut total = PixelSums::default();
+        for sums in twins.iter().map(|twin| &self.twins[*twin as usize][pixel]) {
+            for channel in 0..3 {
+                total.flux_density[channel] += sums.flux_density[channel];
+                total.radiance[channel] += sums.radiance[channel];
+            }
+            total.inner_flux_density += sums.inner_flux_density;
+        }
+        total
+    }
 }
 
-impl PixelEstimate {
+/// What sums of passes are multiplied with to become radiance.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    /// For radiance: one over the passes.
+    pub per_pass: f64,
+    /// For flux densities: one over π·E.
+    pub per_photon: f64,
+}
+
+impl RegionProgress {
+    /// The scale of the sums of `twins`; `None` when they have no pass.
+    pub fn scale(&self, twins: &[Twin]) -> Option<Scale> {
+        let passes: u32 = twins.iter().map(|twin| self.passes[*twin as usize]).sum();
+        let photons: u64 = twins.iter().map(|twin| self.photons_emitted[*twin as usize]).sum();
+        // Without photons there is no flux that this could scale.
+        let per_photon = 1.0 / (std::f64::consts::PI * photons.max(1) as f64);
+        (passes > 0).then(|| Scale { per_pass: 1.0 / f64::from(passes), per_photon })
+    }
+}
+
+impl PixelSums {
     /// Adds sums that were gathered with R_used² = 1/`inverse_used` [identity 1].
     fn add(&mut self, found: &PixelTally, inverse_used: f64) {
         for channel in 0..3 {
             self.radiance[channel] += f64::from(found.radiance[channel]);
             self.flux_density[channel] += f64::from(found.flux[channel]) * inverse_used;
         }
+        self.inner_flux_density += f64::from(found.inner_flux) * inverse_used;
     }
 }
 

@@ -24,7 +24,18 @@ impl Region {
     }
 }
 
-/// A range of consecutive passes × a pixel region. How passes are cut into shards is fixed by the job.
+/// One of the two independent estimates that every job makes: its even passes and its odd passes. Their mean is the picture,
+/// their difference tells its noise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Twin {
+    /// Passes 0, 2, 4, …
+    Even = 0,
+    /// Passes 1, 3, 5, …
+    Odd = 1,
+}
+
+/// Passes of one [`Twin`] × a pixel region: `first_pass`, `first_pass + 2`, … How passes are cut into shards is fixed by the
+/// job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shard {
@@ -34,4 +45,24 @@ pub struct Shard {
     pub passes: u32,
     /// The pixels.
     pub region: Region,
+}
+
+impl Twin {
+    /// The twin that a pass belongs to.
+    pub fn of_pass(pass: u32) -> Self {
+        if pass.is_multiple_of(2) { Self::Even } else { Self::Odd }
+    }
+}
+
+impl Shard {
+    /// The twin that all its passes belong to.
+    pub fn twin(&self) -> Twin {
+        Twin::of_pass(self.first_pass)
+    }
+
+    /// The indices of its passes.
+    pub fn pass_indices(&self) -> impl Iterator<Item = u32> + use<> {
+        let first_pass = self.first_pass;
+        (0..self.passes).map(move |pass| first_pass + 2 * pass)
+    }
 }

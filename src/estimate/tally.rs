@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::shard::Shard;
 
-/// The sums of one pixel over the passes of a shard. Seven little-endian `f32` on the wire.
+/// The sums of one pixel over the passes of a shard. Eight little-endian `f32` on the wire.
 ///
 /// A pass `i` gathers with radius² `R²ᵢ = ρᵢ·R²` where `R²` is the pixel's value in the shard's radius field and `ρᵢ` is the
 /// same for all pixels; its counts and flux are divided by `ρᵢ` so that the sums all refer to `R²`.
@@ -17,6 +17,8 @@ pub struct PixelTally {
     pub flux: [f32; 3],
     /// Σ Mᵢ/ρᵢ: photons found.
     pub photons: f32,
+    /// Mean of the channels of the flux that was found inside half the disc's area, Σ Φ'ᵢ/ρᵢ, W·sr⁻¹. Tells the bias.
+    pub inner_flux: f32,
 }
 
 /// What a shard returns: one [`PixelTally`] per pixel of its region in row order, and totals.
@@ -77,7 +79,7 @@ impl Tally {
         if self.pixels.len() != expected {
             return Err(TallyError::WrongSize { expected, found: self.pixels.len() });
         }
-        let dark = |pixel: &PixelTally| pixel.photons == 0.0 && pixel.flux == [0.0; 3];
+        let dark = |pixel: &PixelTally| pixel.photons == 0.0 && pixel.flux == [0.0; 3] && pixel.inner_flux == 0.0;
         if self.photons_emitted == 0 && !self.pixels.iter().all(dark) {
             return Err(TallyError::NothingEmitted);
         }
@@ -102,12 +104,15 @@ fn all_possible(pixels: &[PixelTally]) -> bool {
 
 impl PixelTally {
     fn is_possible(&self) -> bool {
-        let values: [f32; 7] = bytemuck::cast(*self);
+        let values: [f32; 8] = bytemuck::cast(*self);
         values.iter().all(|value| value.is_finite()) && self.photons >= 0.0
     }
 
     fn impossible_value(&self, pixel: usize) -> TallyError {
-        let groups = [("radiance", &self.radiance[..]), ("flux", &self.flux[..]), ("photons", &[self.photons][..])]
+        let (photons, inner_flux) = ([self.photons], [self.inner_flux]);
+        let groups: [(_, &[f32]); 4] =
+            [("radiance", &self.radiance), ("flux", &self.flux), ("photons", &photons), ("inner flux", &inner_flux)];
+        let groups = groups
             .map(|(plane, values)| (plane, values.iter().copied().find(|value| !value.is_finite() || *value < 0.0)));
         let (plane, value) = groups
             .into_iter()

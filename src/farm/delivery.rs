@@ -87,7 +87,7 @@ fn take(
 fn begin(shared: &Shared, job: &JobRecord, pilot: &Pilot) -> Merging {
     let method = &job.description.method;
     let (width, height) = (job.description.width, job.description.height);
-    let merging = Merging::new(width, height, pilot, job.stop.passes, method.radius_rule, method.alpha);
+    let merging = Merging::new(width, height, pilot, &job.stop, method.radius_rule, method.alpha);
     let plan = merging.plan.clone();
     tracing::info!(job = job.description.id, cost_per_pass = pilot.cost_per_pass, ?plan, "pilot done");
     shared.change(|schedule, now| schedule.pilot_done(now, job.number, plan));

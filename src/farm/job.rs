@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-/// When a job is done: by passes, by seconds, or by whichever comes first. Both empty: the method's `passes`.
+/// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct StopRule {
@@ -14,6 +14,10 @@ pub struct StopRule {
     /// stopped after n passes has the bits of a job asked for n passes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
+    /// relMSE above 0: the job is done when its own estimate says with 95 % confidence that the picture's is smaller. It is
+    /// looked at after shards that do not depend on the workers, so the picture does not either.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<f64>,
 }
 
 /// A job to be made: a scene that was uploaded before, and how to render it.
@@ -51,6 +55,24 @@ pub enum JobState {
     Failed,
     /// Stopped by a user; the picture is kept.
     Cancelled,
+}
+
+/// How far a job's picture is from the truth, as its own passes tell it, without a reference. Errors are
+/// relMSE = mean((L − truth)²/(Y² + 10⁻³·m²)), with Y the mean of the truth's channels in a pixel and m that of the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct EstimatedError {
+    /// Passes merged when it was estimated.
+    pub passes: u32,
+    /// The estimate: noise and bias together.
+    pub relmse: f64,
+    /// Its part by noise.
+    pub noise: f64,
+    /// Its part by the bias of density estimates; 0 for methods without them, and not known for `photon_map`.
+    pub bias: f64,
+    /// relMSE is below this with the confidence beside it.
+    pub bound: f64,
+    /// Share of pictures whose bound holds.
+    pub confidence: f64,
 }
 
 /// How a job is doing.
@@ -96,6 +118,9 @@ pub struct JobStatus {
     pub workers: u32,
     /// Contributions dropped because they were not finite.
     pub non_finite: u64,
+    /// How far the picture is from the truth; empty while too few shards are merged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub estimated_error: Option<EstimatedError>,
     /// Things the user should know, one sentence each.
     pub notices: Vec<String>,
     /// Rises with every change of the picture; the ETag of its images.

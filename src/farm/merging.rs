@@ -6,8 +6,9 @@ use std::sync::Arc;
 use axum::body::Bytes;
 use prost::Message;
 
+use super::job::StopRule;
 use super::plan::Plan;
-use super::progress::MergedTotals;
+use super::progress::{MeasuredError, MergedTotals};
 use super::wire::{messages, radius, result};
 use crate::estimate::{Estimate, RadiusField, RadiusRule, Tally};
 use crate::render::Pilot;
@@ -30,14 +31,31 @@ pub struct Merging {
     waiting: BTreeMap<u64, messages::Tally>,
     /// By field epoch, then region.
     fields: BTreeMap<(u32, u32), Arc<Field>>,
+    error: Option<MeasuredError>,
+    /// The error bound at which the job is done.
+    wanted_error: Option<f64>,
+    /// Shards merged when the error is looked at next.
+    next_look: u64,
 }
+
+/// The error is looked at again when this share of shards was added.
+const LOOK_SHARE: u64 = 8;
 
 impl Merging {
     /// Starts from the pilot's radii.
-    pub fn new(width: u32, height: u32, pilot: &Pilot, passes: Option<u32>, rule: RadiusRule, alpha: f64) -> Self {
-        let plan = Plan::new(width, height, pilot.cost_per_pass, passes, rule);
+    pub fn new(width: u32, height: u32, pilot: &Pilot, stop: &StopRule, rule: RadiusRule, alpha: f64) -> Self {
+        let plan = Plan::new(width, height, pilot.cost_per_pass, stop.passes, rule);
         let estimate = Estimate::new(width, height, &plan.regions, &pilot.radius_squared, rule, alpha);
-        let mut merging = Self { plan, estimate, merged: 0, waiting: BTreeMap::new(), fields: BTreeMap::new() };
+        let mut merging = Self {
+            plan,
+            estimate,
+            merged: 0,
+            waiting: BTreeMap::new(),
+            fields: BTreeMap::new(),
+            error: None,
+            wanted_error: stop.error,
+            next_look: 2,
+        };
         merging.take_fields(0);
         merging
     }
@@ -52,7 +70,9 @@ impl Merging {
             return Ok(());
         }
         self.merge(tally)?;
-        while let Some(message) = self.waiting.remove(&self.merged) {
+        while !self.is_good_enough()
+            && let Some(message) = self.waiting.remove(&self.merged)
+        {
             let planned = self.plan.shard(self.merged).ok_or("a shard past the end of the job")?;
             let tally = result::decode_tally(&message, planned.shard, self.plan.width).map_err(|e| e.to_string())?;
             self.merge(&tally)?;
@@ -66,11 +86,27 @@ impl Merging {
         let field = self.fields.get(&key).ok_or("a radius field that was dropped too early")?;
         self.estimate.merge(tally, &field.field).map_err(|problem| problem.to_string())?;
         self.merged += 1;
+        self.look_at_error();
         let next_epoch = self.plan.epoch_of(self.merged);
         if next_epoch > self.plan.epoch_of(self.merged - 1) {
             self.begin_epoch(next_epoch);
         }
         Ok(())
+    }
+
+    /// Estimates the error after pairs of shards, so that both twins have their part. When, depends on the shards alone: a
+    /// job that stops by its error has the same bits on any farm.
+    fn look_at_error(&mut self) {
+        if self.merged >= self.next_look {
+            self.error = self.estimate.error().map(|error| MeasuredError { passes: self.estimate.passes(), error });
+            self.next_look = (self.merged + (self.merged / LOOK_SHARE).max(1)).next_multiple_of(2);
+        }
+    }
+
+    /// Whether the error bound that ends the job was met.
+    fn is_good_enough(&self) -> bool {
+        let bound = self.error.map(|measured| measured.error.bound);
+        self.wanted_error.zip(bound).is_some_and(|(wanted, bound)| bound <= wanted)
     }
 
     /// All epochs before `epoch` are merged: their radii are those of epoch `epoch + lag`.
@@ -103,6 +139,8 @@ impl Merging {
             passes: self.estimate.passes(),
             photons_emitted: self.estimate.photons_emitted(),
             non_finite: self.estimate.non_finite,
+            error: self.error,
+            good_enough: self.is_good_enough(),
         }
     }
 }

@@ -8,13 +8,16 @@
 //! region 0: s s s … (16)  region 1: …  region 0: s s s … (16)  region 1: …        s = passes_in_shard(epoch) passes
 //! ```
 //!
+//! Two shards that follow each other share a range of passes: the first takes the even ones, the second the odd ones, so that
+//! a job's two twins grow alike.
+//!
 //! Shards start with one pass and double every epoch until one costs about a second. So a first picture comes soon,
 //! the radii, which shrink fastest in the first passes, are refreshed then too, and the cut does not depend on how many
 //! passes will be made: a job that is stopped after n passes has traced the shards of a job of n passes.
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{RadiusRule, Region, Shard};
+use crate::estimate::{RadiusRule, Region, Shard, Twin};
 
 /// Pixels of a region; a worker holds one tally and one radius field of this size.
 const REGION_PIXELS: u64 = 4 << 20;
@@ -88,8 +91,7 @@ impl Plan {
     pub fn shard_count(&self) -> u64 {
         let (epoch, first_pass) = self.last_epoch();
         let whole = u64::from(epoch) * self.shards_in_epoch();
-        let rest = (self.passes - first_pass).div_ceil(self.passes_in_shard(epoch));
-        whole + u64::from(rest) * self.regions.len() as u64
+        whole + self.shards_of_region(epoch, u64::from(first_pass)) * self.regions.len() as u64
     }
 
     /// Index of the first shard of `epoch`.
@@ -118,14 +120,15 @@ impl Plan {
             return None;
         }
         let (start, passes) = (self.first_pass(epoch), self.passes_in_shard(epoch));
-        let left = u64::from(self.passes) - start;
-        let per_region = left.div_ceil(u64::from(passes)).min(u64::from(self.shards_per_epoch));
+        let per_region = self.shards_of_region(epoch, start);
         let within = index % self.shards_in_epoch();
         let region = usize::try_from(within / per_region).ok()?;
-        let first_pass = start + within % per_region * u64::from(passes);
+        let (pair, odd) = (within % per_region / 2, within % per_region % 2);
+        let pair_start = start + pair * 2 * u64::from(passes);
+        let pair_passes = (2 * u64::from(passes)).min(u64::from(self.passes) - pair_start);
         let shard = Shard {
-            first_pass: first_pass as u32,
-            passes: u64::from(passes).min(u64::from(self.passes) - first_pass) as u32,
+            first_pass: (pair_start + odd) as u32,
+            passes: (pair_passes + 1 - odd) as u32 / 2,
             region: *self.regions.get(region)?,
         };
         Some(PlannedShard { shard, region: region as u32, field_epoch: self.field_epoch(epoch) })
@@ -145,6 +148,19 @@ impl Plan {
     pub fn shards_until_covered(&self) -> u64 {
         let per_region = u64::from(self.passes.min(self.shards_per_epoch));
         (self.regions.len() as u64 - 1) * per_region + 1
+    }
+
+    /// The first shard from `end` on at which a job can end so that no pass is missing before its last one.
+    pub fn end_without_gap(&self, end: u64) -> u64 {
+        let is_half_a_pair = |planned: PlannedShard| planned.shard.twin() == Twin::Even && planned.shard.passes > 1;
+        let last = end.checked_sub(1).and_then(|last| self.shard(last));
+        if last.is_some_and(is_half_a_pair) { end + 1 } else { end }
+    }
+
+    /// Shards of one region in `epoch`, which starts at pass `start`.
+    fn shards_of_region(&self, epoch: u32, start: u64) -> u64 {
+        let (left, pair) = (u64::from(self.passes) - start, 2 * u64::from(self.passes_in_shard(epoch)));
+        (left / pair * 2 + (left % pair).min(2)).min(u64::from(self.shards_per_epoch))
     }
 
     fn shards_in_epoch(&self) -> u64 {
@@ -190,13 +206,15 @@ mod tests {
     fn shards_cover_all_passes_in_order() {
         for (height, cost, passes) in [(64, 1, 1), (64, 150_000, 1000), (9000, 3_000_000, 77), (64, 330_000, 4097)] {
             let plan = Plan::new(2048, height, cost, Some(passes), RadiusRule::Statistics);
-            let mut next = vec![0; plan.regions.len()];
+            let mut next = vec![[0, 1]; plan.regions.len()];
             for index in 0..plan.shard_count() {
                 let planned = plan.shard(index).expect("inside the plan");
-                assert_eq!(planned.shard.first_pass, next[planned.region as usize], "{plan:?} shard {index}");
-                next[planned.region as usize] += planned.shard.passes;
+                let next = &mut next[planned.region as usize][planned.shard.twin() as usize];
+                assert_eq!(planned.shard.first_pass, *next, "{plan:?} shard {index}");
+                *next += 2 * planned.shard.passes;
             }
-            assert!(next.iter().all(|done| *done == passes), "{plan:?}");
+            let ends = [passes.next_multiple_of(2), passes / 2 * 2 + 1];
+            assert!(next.iter().all(|next| *next == ends), "{plan:?}");
             assert_eq!(plan.shard(plan.shard_count()), None);
         }
     }

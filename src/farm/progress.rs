@@ -6,12 +6,22 @@ use std::time::Duration;
 use super::job::{JobState, StopRule};
 use super::lease::{Work, WorkIndex};
 use super::plan::Plan;
+use crate::estimate::ErrorEstimate;
 
 /// Leases of the same work that may end with a worker's error message before the job fails.
 const FAILURES_PER_WORK: usize = 3;
 
+/// The error of a picture, and when it was estimated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredError {
+    /// Passes merged then.
+    pub passes: u32,
+    /// What they tell.
+    pub error: ErrorEstimate,
+}
+
 /// What the merged shards add up to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MergedTotals {
     /// Shards merged.
     pub shards: u64,
@@ -21,6 +31,10 @@ pub struct MergedTotals {
     pub photons_emitted: u64,
     /// Contributions dropped because they were not finite.
     pub non_finite: u64,
+    /// The last estimate of the error.
+    pub error: Option<MeasuredError>,
+    /// The error is as small as the stop rule asks for: nothing more will be merged.
+    pub good_enough: bool,
 }
 
 /// How far a job has come.
@@ -167,6 +181,9 @@ impl JobProgress {
     pub fn merged(&mut self, totals: MergedTotals, now: Duration) {
         self.totals = totals;
         self.arrived = self.arrived.split_off(&totals.shards);
+        if totals.good_enough {
+            self.limit = self.limit.min(totals.shards);
+        }
         if self.plan.is_some() && totals.shards >= self.limit && !self.has_ended() {
             self.end(JobState::Done, now);
         }
@@ -204,7 +221,8 @@ impl JobProgress {
         while self.arrived.contains(&arrived) {
             arrived += 1;
         }
-        self.limit = self.limit.min(arrived.max(covered));
+        let end = arrived.max(covered);
+        self.limit = self.limit.min(self.plan.as_ref().map_or(end, |plan| plan.end_without_gap(end)));
         let limit = self.limit;
         self.returned.retain(|index| index.is_none_or(|index| index < limit));
         arrived < covered

@@ -90,7 +90,7 @@ fn choice(name: &str, request: &JobRequest, integrator: Option<&Integrator>) -> 
     MethodChoice { name: name.to_owned(), parameters }
 }
 
-/// Checks a stop rule and completes it: without passes and seconds the method's own passes count.
+/// Checks a stop rule and completes it: without any rule the method's own passes count.
 pub fn resolve_stop(stop: StopRule, method: &CheckedMethod) -> Result<StopRule, FarmError> {
     if stop.passes.is_some_and(|passes| !(1..=PASSES_LIMIT).contains(&passes)) {
         return Err(FarmError::BadRequest {
@@ -104,6 +104,16 @@ pub fn resolve_stop(stop: StopRule, method: &CheckedMethod) -> Result<StopRule, 
             remedy: "give a number above 0".to_owned(),
         });
     }
-    let passes = if stop.passes.is_none() && stop.seconds.is_none() { Some(method.passes) } else { stop.passes };
+    if stop.error.is_some_and(|error| !(error.is_finite() && error > 0.0)) {
+        return Err(FarmError::BadRequest {
+            problem: format!("stop.error is {}", stop.error.unwrap_or_default()),
+            remedy: "give a relMSE above 0, as 0.01".to_owned(),
+        });
+    }
+    let passes = if stop.passes.is_none() && stop.seconds.is_none() && stop.error.is_none() {
+        Some(method.passes)
+    } else {
+        stop.passes
+    };
     Ok(StopRule { passes, ..stop })
 }

@@ -3,9 +3,12 @@
 use std::time::Duration;
 
 use super::coordinator::{JobRecord, State};
-use super::job::{JobState, JobStatus, StopRule, WorkerStatus};
+use super::job::{EstimatedError, JobState, JobStatus, StopRule, WorkerStatus};
+use super::progress::MeasuredError;
 use super::roster::WorkerRecord;
 use super::wire::lease::JobDescription;
+use crate::estimate::ErrorEstimate;
+use crate::estimate::error::CONFIDENCE;
 
 impl State {
     /// How a job is doing at `now`.
@@ -27,6 +30,7 @@ impl State {
             seconds_left: progress.seconds_left(now),
             workers: workers.len() as u32,
             non_finite: totals.non_finite,
+            estimated_error: totals.error.map(estimated_error),
             notices: progress.notices.clone(),
             picture_version: totals.shards,
             ..status
@@ -46,6 +50,11 @@ impl State {
         };
         self.schedule.roster().iter().map(status).collect()
     }
+}
+
+fn estimated_error(measured: MeasuredError) -> EstimatedError {
+    let ErrorEstimate { noise, bias, bound } = measured.error;
+    EstimatedError { passes: measured.passes, relmse: noise + bias, noise, bias, bound, confidence: CONFIDENCE }
 }
 
 impl JobDescription {
@@ -70,6 +79,7 @@ impl JobDescription {
             seconds_left: stop.seconds,
             workers: 0,
             non_finite: 0,
+            estimated_error: None,
             notices: Vec::new(),
             picture_version: 0,
         }

@@ -1,7 +1,13 @@
 //! Counter-based random numbers: every number is a pure function of its address (seed, stream, pass, path, block).
 //!
-//! Philox4x32 with 7 rounds [Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3"], the fewest that pass
-//! BigCrush. One block gives four numbers; a path vertex uses one or two blocks.
+//! One block gives four numbers; a path vertex uses one or two blocks. The first blocks of a path, which decide most, come
+//! from a scrambled [`Sequence`] that spreads them evenly over the paths of all passes; the later ones from Philox4x32 with
+//! 7 rounds [Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3"], the fewest that pass BigCrush. Even and odd
+//! passes have sequences of their own, independent of each other: a job's two twins.
+
+mod sequence;
+
+use sequence::Sequence;
 
 /// What a family of paths is for; keeps their numbers apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,26 +32,52 @@ pub struct PathRandom {
     stream: u32,
     pass: u32,
     path: u32,
+    sequence: Sequence,
 }
 
 impl PathRandom {
-    /// The numbers of path `path` of pass `pass` in `stream`.
+    /// The numbers of path `path` of pass `pass` in `stream`; the passes of a path are spread evenly.
     pub fn new(seed: u64, stream: Stream, pass: u32, path: u32) -> Self {
-        Self { key: [seed as u32, (seed >> 32) as u32], stream: stream as u32, pass, path }
+        Self::of_sample(seed, stream, pass, path, [path, 0], pass >> 1)
     }
 
-    /// The numbers of branch `index` (below 2²⁴ - 1) of this path, where it splits. A branch does not split again.
+    /// The numbers of path `path` of the `paths` that pass `pass` has in `stream`; all paths of all passes are spread
+    /// evenly together.
+    pub fn among(seed: u64, stream: Stream, pass: u32, path: u32, paths: u32) -> Self {
+        let sample = u64::from(pass >> 1) * u64::from(paths) + u64::from(path);
+        Self::of_sample(seed, stream, pass, path, [0, 1 + (sample >> 32) as u32], sample as u32)
+    }
+
+    fn of_sample(seed: u64, stream: Stream, pass: u32, path: u32, family: [u32; 2], sample: u32) -> Self {
+        let key = [seed as u32, (seed >> 32) as u32];
+        let stream = stream as u32;
+        let address = [family[0], family[1], 0, SEQUENCES | stream | (pass & 1) << 8];
+        let sequence = Sequence::new(philox::<7>(address, key), sample);
+        Self { key, stream, pass, path, sequence }
+    }
+
+    /// The numbers of branch `index` (below 2²³ - 1) of this path, where it splits. A branch does not split again.
     pub fn branch(&self, index: u32) -> Self {
         Self { stream: self.stream & 0xff | (index + 1) << 8, ..*self }
     }
 
-    /// Four numbers in [0, 1), multiples of 2⁻²⁴.
+    /// Four numbers in [0, 1), multiples of 2⁻²⁴. The first two are a point of the unit square that is spread evenly, and so
+    /// are the last two.
     #[inline]
     pub fn block(&self, block: u32) -> [f32; 4] {
-        let bits = philox::<7>([self.path, self.pass, block, self.stream], self.key);
+        let bits = if block < SPREAD_BLOCKS && self.stream < 0x100 {
+            self.sequence.block(block)
+        } else {
+            philox::<7>([self.path, self.pass, block, self.stream], self.key)
+        };
         bits.map(|bits| (bits >> 8) as f32 * (1.0 / 16_777_216.0))
     }
 }
+
+/// Blocks that are spread evenly: those of the first two vertices. Later ones decide too little by themselves to pay.
+const SPREAD_BLOCKS: u32 = 8;
+/// Keeps the keys of sequences apart from the numbers of paths.
+const SEQUENCES: u32 = 1 << 31;
 
 /// Point `index` of `count` that are spread evenly over the unit square (Hammersley's), all shifted by two numbers in
 /// [0, 1) round its borders: with a random shift each alone is uniform.
@@ -60,17 +92,17 @@ pub fn spread(shift: [f32; 2], index: u32, count: u32) -> [f32; 2] {
 pub mod dimension {
     /// Pixel position (2 numbers) and lens position (2).
     pub const CAMERA: u32 = 0;
-    /// Light choice (1) and emission position (2).
+    /// Emission position (2) and light choice (1).
     pub const EMISSION: u32 = 0;
     /// Emission direction (2).
     pub const EMISSION_DIRECTION: u32 = 1;
 
-    /// Scattering at path vertex `vertex`: lobe, two for the direction, roulette.
+    /// Scattering at path vertex `vertex`: two for the direction, lobe, roulette.
     pub const fn scattering(vertex: u32) -> u32 {
         2 + 2 * vertex
     }
 
-    /// Light sampling at path vertex `vertex`: light choice and two for the position.
+    /// Light sampling at path vertex `vertex`: two for the position, light choice.
     pub const fn light(vertex: u32) -> u32 {
         3 + 2 * vertex
     }

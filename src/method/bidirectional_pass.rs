@@ -24,7 +24,7 @@ use crate::transport::bidirectional::{
 };
 use crate::transport::first_radius::FIRST_GATHER_PHOTONS;
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{Grid, Nearest, Photon, PhotonChunk, PhotonMap};
+use crate::transport::photon_map::{Gathered, Grid, Nearest, Photon, PhotonChunk, PhotonMap};
 use crate::transport::photon_tracing::stored;
 use crate::transport::{Counters, Limits};
 
@@ -143,8 +143,8 @@ impl BidirectionalPasses {
     }
 
     fn light_walk(&self, pass: &Pass<'_>) -> LightWalk<'_> {
-        let Self { limits, weighting, seed, .. } = *self;
-        LightWalk { scene: &self.scene, limits, weighting, seed, pass: pass.index }
+        let Self { limits, weighting, seed, light_paths: paths, .. } = *self;
+        LightWalk { scene: &self.scene, limits, weighting, seed, pass: pass.index, paths }
     }
 
     fn camera_walk(&self, pass: &Pass<'_>) -> CameraWalk<'_> {
@@ -234,7 +234,7 @@ impl BidirectionalPasses {
         for chunk in &chunks {
             *total += chunk.counters;
             for (pixel, radiance) in &chunk.splats {
-                add_to_tally(&mut pixels[*pixel as usize], pass, *radiance, Rgb::ZERO, 0.0, total);
+                add_to_tally(&mut pixels[*pixel as usize], pass, *radiance, &Gathered::default(), total);
             }
         }
         let map = self.uses(Techniques::MERGE).then(|| self.photon_map(pass, &mut chunks));
@@ -291,7 +291,7 @@ impl CameraPass<'_> {
             let path = (index % passes.light_paths) as usize;
             own.extend(paths.vertices[paths.range(path)].iter().map(StoredVertex::unpack));
         }
-        let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
+        let mut gathered = Gathered::default();
         let radiance = walk.trace(index, acceptance, counters, |camera, random, counters| {
             let mut radiance = Rgb::ZERO;
             if passes.uses(Techniques::DIRECT) {
@@ -304,13 +304,11 @@ impl CameraPass<'_> {
                 let (records, kernel, neighbors) = (paths.records.as_slice(), passes.kernel, passes.neighbors);
                 let merging = Merging { map, records, kernel, neighbors };
                 let radius_squared = pass.radius_squared[pixel] * pass.scale;
-                let found = merge(walk, camera, &merging, radius_squared, acceptance, nearest);
-                flux += found.0;
-                photons += found.1;
+                gathered.add(&merge(walk, camera, &merging, radius_squared, acceptance, nearest), Rgb::ONE);
             }
             radiance
         });
-        add_to_tally(tally, pass, radiance, flux, photons, counters);
+        add_to_tally(tally, pass, radiance, &gathered, counters);
     }
 }
 

@@ -54,7 +54,7 @@ use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Grid, Nearest, Photon, PhotonMap};
+use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, Photon, PhotonMap};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits, shading};
 
@@ -228,9 +228,9 @@ impl TwoPasses {
             seed: self.seed,
             stream,
             pass,
+            paths: self.photons_per_pass,
         };
-        let count = self.photons_per_pass;
-        let (chunks, counters) = maps::trace(&self.scene, &settings, count, &self.grid(&self.global), cancel)?;
+        let (chunks, counters) = maps::trace(&self.scene, &settings, &self.grid(&self.global), cancel)?;
         let all = PhotonMap::build(&chunks, self.grid(&self.global));
         let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
         let global = match self.gather_rays {
@@ -266,7 +266,7 @@ impl TwoPasses {
             for (x, tally) in (0..).zip(tallies) {
                 let random = PathRandom::new(self.seed, streams[1], pass.index, y * self.scene.width + x);
                 let radiance = gathering.pixel([x, y], &random, &mut counters);
-                add_to_tally(tally, pass, radiance, Rgb::ZERO, 0.0, &mut counters);
+                add_to_tally(tally, pass, radiance, &Gathered::default(), &mut counters);
             }
             counters
         };

@@ -17,7 +17,7 @@ use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
-use crate::transport::photon_map::{GatherQuery, Grid, PhotonMap, trace};
+use crate::transport::photon_map::{GatherQuery, Gathered, Grid, PhotonMap, trace};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits};
 
@@ -80,11 +80,12 @@ impl PhotonPasses {
             seed: self.seed,
             stream,
             pass,
+            paths: self.photons_per_pass,
         };
         let (low, high) = self.scene.geometry.bounds();
         let cell = 2.0 * typical_radius_squared.sqrt();
         let grid = Grid::new(low, high, cell, 4 * u64::from(self.photons_per_pass).max(1 << 14));
-        let (chunks, counters) = trace(&self.scene, &settings, self.photons_per_pass, &grid, cancel)?;
+        let (chunks, counters) = trace(&self.scene, &settings, &grid, cancel)?;
         Some((PhotonMap::build(&chunks, grid), counters))
     }
 
@@ -100,7 +101,7 @@ impl PhotonPasses {
 
     /// Reflected flux Φ/T = Σ f_r·α and the photon count M at a gather point.
     #[inline]
-    pub fn gather(&self, map: &PhotonMap, point: &GatherPoint, radius_squared: f32) -> (Rgb, f32) {
+    pub fn gather(&self, map: &PhotonMap, point: &GatherPoint, radius_squared: f32) -> Gathered {
         let hit = &point.hit;
         let material = self.scene.material(hit.shape);
         let view = point.view();
@@ -113,16 +114,20 @@ impl PhotonPasses {
             both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
         };
         if let Some(value) = material.constant_value(&view) {
-            let gathered = map.gather(&query);
-            return (gathered.flux * value, gathered.photons);
+            let mut gathered = map.gather(&query);
+            gathered.flux *= value;
+            gathered.inner_flux *= value;
+            return gathered;
         }
-        let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
-        map.visit(&query, |photon| {
+        let mut gathered = Gathered::default();
+        map.visit(&query, |photon, is_inner| {
             let incident = hit.frame.to_local(octahedral::decode(photon.direction));
-            flux += material.evaluate(&view, incident) * Rgb::from_array(photon.flux);
-            photons += 1.0;
+            let flux = material.evaluate(&view, incident) * Rgb::from_array(photon.flux);
+            gathered.flux += flux;
+            gathered.inner_flux += if is_inner { flux } else { Rgb::ZERO };
+            gathered.photons += 1.0;
         });
-        (flux, photons)
+        gathered
     }
 
     /// First R² at a gather point that the camera sees over `path_length` m, m².
@@ -211,17 +216,20 @@ pub fn add_to_tally(
     pixel: &mut PixelTally,
     pass: &Pass<'_>,
     radiance: Rgb,
-    flux: Rgb,
-    photons: f32,
+    gathered: &Gathered,
     counters: &mut Counters,
 ) {
     let inverse_scale = 1.0 / pass.scale;
-    for (sum, value, factor) in [(&mut pixel.radiance, radiance, 1.0), (&mut pixel.flux, flux, inverse_scale)] {
-        if value.is_finite() {
-            *sum = (Rgb::from_array(*sum) + value * factor).to_array();
-        } else {
-            counters.non_finite += 1;
-        }
+    if radiance.is_finite() {
+        pixel.radiance = (Rgb::from_array(pixel.radiance) + radiance).to_array();
+    } else {
+        counters.non_finite += 1;
     }
-    pixel.photons += photons * inverse_scale;
+    if gathered.flux.is_finite() {
+        pixel.flux = (Rgb::from_array(pixel.flux) + gathered.flux * inverse_scale).to_array();
+        pixel.inner_flux += gathered.inner_flux.element_sum() / 3.0 * inverse_scale;
+    } else {
+        counters.non_finite += 1;
+    }
+    pixel.photons += gathered.photons * inverse_scale;
 }

@@ -35,7 +35,7 @@ use crate::scene::geometry::{Interaction, Shape};
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
-use crate::transport::photon_map::PhotonMap;
+use crate::transport::photon_map::{Gathered, PhotonMap};
 use crate::transport::shading;
 
 const NAME: &str = "ppm";
@@ -293,19 +293,18 @@ impl Ppm {
         points: &[HitPoint],
         (first_point, radius_squared): (usize, f32),
         counters: &mut Counters,
-    ) -> (Rgb, Rgb, f32) {
-        let (mut radiance, mut flux, mut photons) = (Rgb::ZERO, Rgb::ZERO, 0.0);
+    ) -> (Rgb, Gathered) {
+        let (mut radiance, mut gathered) = (Rgb::ZERO, Gathered::default());
+        let share = 1.0 / self.samples_per_pixel as f32;
         for (index, hit_point) in points.iter().enumerate() {
             let point = hit_point.gather_point(self.error);
             let path = (first_point + index) as u32;
             let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, path);
             radiance += point.throughput * self.passes.direct_light(&point, &random, counters);
-            let found = self.passes.gather(map, &point, radius_squared * pass.scale);
-            flux += point.throughput * found.0;
-            photons += found.1;
+            gathered.add(&self.passes.gather(map, &point, radius_squared * pass.scale), point.throughput * share);
         }
-        let share = 1.0 / self.samples_per_pixel as f32;
-        (radiance * share, flux * share, photons * share)
+        gathered.photons *= share;
+        (radiance * share, gathered)
     }
 }
 
@@ -330,10 +329,9 @@ impl PreparedMethod for Ppm {
                     let address = picture_pixel.wrapping_mul(MOST_POINTS_PER_PIXEL);
                     let radius = pass.radius_squared[pixel];
                     let points = &hit_points.points[range];
-                    let (radiance, flux, photons) =
-                        self.trace_pixel(pass, &map, points, (address, radius), &mut counters);
+                    let (radiance, gathered) = self.trace_pixel(pass, &map, points, (address, radius), &mut counters);
                     let radiance = radiance + Rgb::from_array(hit_points.seen[pixel]);
-                    add_to_tally(tally, pass, radiance, flux, photons, &mut counters);
+                    add_to_tally(tally, pass, radiance, &gathered, &mut counters);
                 }
                 counters
             })

@@ -24,11 +24,10 @@ use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::PixelTally;
-use crate::math::Rgb;
 use crate::math::random::{PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
-use crate::transport::photon_map::PhotonMap;
+use crate::transport::photon_map::{Gathered, PhotonMap};
 
 const NAME: &str = "sppm";
 const PARAMETERS: &[ParameterHelp] = HELP.split_at(HELP.len() - 1).0;
@@ -72,14 +71,12 @@ impl Sppm {
         counters: &mut Counters,
     ) {
         let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, pixel as u32);
-        let (mut flux, mut photons) = (Rgb::ZERO, 0.0);
+        let mut gathered = Gathered::default();
         let radiance = self.passes.camera_path(&random, pixel, counters, |point, radiance, counters| {
             *radiance += point.throughput * self.passes.direct_light(point, &random, counters);
-            let found = self.passes.gather(map, point, radius_squared * pass.scale);
-            flux += point.throughput * found.0;
-            photons += found.1;
+            gathered.add(&self.passes.gather(map, point, radius_squared * pass.scale), point.throughput);
         });
-        add_to_tally(tally, pass, radiance, flux, photons, counters);
+        add_to_tally(tally, pass, radiance, &gathered, counters);
     }
 }
 

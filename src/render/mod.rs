@@ -49,7 +49,7 @@ impl Renderer {
     /// Traces a shard with the radii of `field` (one per pixel of the shard's region), on the calling rayon pool.
     pub fn trace(&self, shard: Shard, field: &RadiusField, cancel: &AtomicBool) -> Result<Tally, Cancelled> {
         let mut tally = Tally::zero(shard, self.scene.width);
-        for index in shard.first_pass..shard.first_pass + shard.passes {
+        for index in shard.pass_indices() {
             let scale = field.scale_of_pass(self.radius_rule, self.alpha, index);
             let pass = Pass {
                 index,

@@ -33,4 +33,11 @@ impl Kernel {
             Self::Epanechnikov => 2.0 * (1.0 - distance_squared),
         }
     }
+
+    /// The weights of a photon at `distance_squared` = t² with this radius, and with the radius of half the disc's area.
+    #[inline]
+    pub fn weights(self, distance_squared: f32) -> [f32; 2] {
+        let inner = if distance_squared < 0.5 { self.weight(2.0 * distance_squared) } else { 0.0 };
+        [self.weight(distance_squared), inner]
+    }
 }

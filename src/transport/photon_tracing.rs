@@ -26,6 +26,8 @@ pub struct PhotonSettings {
     pub stream: Stream,
     /// Pass index.
     pub pass: u32,
+    /// Photon paths of a pass.
+    pub paths: u32,
 }
 
 /// Traces photon path `path` and appends what it stores to `photons`.
@@ -37,7 +39,7 @@ pub fn trace_photon(
     photons: &mut Vec<Photon>,
     counters: &mut Counters,
 ) {
-    let random = PathRandom::new(settings.seed, settings.stream, settings.pass, path);
+    let random = PathRandom::among(settings.seed, settings.stream, settings.pass, path, settings.paths);
     counters.photons_emitted += 1;
     let place = random.block(dimension::EMISSION);
     let direction = random.block(dimension::EMISSION_DIRECTION);

@@ -95,7 +95,9 @@ fn decode_shard(message: &messages::ShardWork, job: &JobDescription) -> Result<P
         let problem = format!("rows {}..{} of {}", region.row_start, region.row_end, job.height);
         return Err(WireError::Impossible { field: "region", problem });
     }
-    if message.passes == 0 || message.first_pass.checked_add(message.passes).is_none() {
+    if message.passes == 0
+        || message.passes.checked_mul(2).and_then(|span| message.first_pass.checked_add(span)).is_none()
+    {
         let problem = format!("{} from {}", message.passes, message.first_pass);
         return Err(WireError::Impossible { field: "passes", problem });
     }

@@ -7,7 +7,7 @@ use crate::render::Pilot;
 
 /// To the message.
 pub fn encode_tally(tally: &Tally) -> messages::Tally {
-    let records: &[[f32; 7]] = bytemuck::cast_slice(&tally.pixels);
+    let records: &[[f32; 8]] = bytemuck::cast_slice(&tally.pixels);
     messages::Tally {
         photons_emitted: tally.photons_emitted,
         photons_stored: tally.photons_stored,
@@ -19,7 +19,7 @@ pub fn encode_tally(tally: &Tally) -> messages::Tally {
 
 /// From the message, for the shard that was leased. Values are not judged: see [`Tally::check`].
 pub fn decode_tally(message: &messages::Tally, shard: Shard, width: u32) -> Result<Tally, WireError> {
-    let records = planes::decompress::<7>(&message.pixels, shard.region.pixel_count(width))?;
+    let records = planes::decompress::<8>(&message.pixels, shard.region.pixel_count(width))?;
     Ok(Tally {
         shard,
         width,

@@ -63,9 +63,9 @@ impl LightTable {
     /// Picks a light with `u[0]` and samples what may arrive from it at `point`; densities include the pick.
     #[inline]
     pub fn sample_direct(&self, geometry: &Geometry, point: Vec3, u: [f32; 3]) -> Option<DirectSample> {
-        let (index, _) = self.by_power.pick(u[0]);
+        let (index, _) = self.by_power.pick(u[2]);
         let probability = self.by_power.probability(index);
-        let sample = self.lights[index].sample_direct(geometry, point, [u[1], u[2]])?;
+        let sample = self.lights[index].sample_direct(geometry, point, [u[0], u[1]])?;
         Some(DirectSample {
             weighted_radiance: sample.weighted_radiance / probability,
             pdf_solid_angle: sample.pdf_solid_angle * probability,
@@ -143,8 +143,8 @@ impl LightTable {
     /// Picks a light by power and emits a photon; its flux includes the pick.
     #[inline]
     pub fn emit(&self, geometry: &Geometry, place: [f32; 3], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let (index, _) = self.by_power.pick(place[0]);
-        let photon = self.lights[index].emit(geometry, [place[1], place[2]], direction)?;
+        let (index, _) = self.by_power.pick(place[2]);
+        let photon = self.lights[index].emit(geometry, [place[0], place[1]], direction)?;
         let pick = self.by_power.probability(index);
         Some(EmittedPhoton { flux: photon.flux / pick, pdf: photon.pdf * pick, light: index as u32, ..photon })
     }

@@ -15,7 +15,7 @@ use crate::scene::geometry::Ray;
 use crate::scene::material::{Lobes, Material, TransportMode, View};
 use crate::transport::direct_light::SHADOW_END;
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{GatherQuery, Nearest, PhotonMap};
+use crate::transport::photon_map::{GatherQuery, Gathered, Nearest, PhotonMap};
 use crate::transport::{Counters, shading};
 
 /// Whether nothing is between `vertex` and the end of a segment of length `distance` in `direction`.
@@ -184,7 +184,7 @@ pub fn merge(
     radius_squared: f32,
     acceptance: f32,
     nearest: &mut Nearest,
-) -> (Rgb, f32) {
+) -> Gathered {
     let hit = &camera.hit;
     let facing = hit.outgoing.dot(hit.geometric_normal);
     let material = walk.scene.material(hit.shape);
@@ -202,17 +202,17 @@ pub fn merge(
         map.nearest(&query, neighbors as usize, nearest);
         let nearer = nearest.radius_squared();
         for (distance_squared, index) in nearest.photons() {
-            sum.add(index, kernel.weight(distance_squared / nearer) * (radius_squared / nearer));
+            sum.add(index, kernel.weights(distance_squared / nearer).map(|weight| weight * (radius_squared / nearer)));
         }
     } else if kernel == Kernel::Disc {
-        map.visit_indices(&query, |index| sum.add(index, 1.0));
+        map.visit_indices(&query, |index, is_inner| sum.add(index, [1.0, f32::from(is_inner)]));
     } else {
-        map.visit_indices(&query, |index| {
+        map.visit_indices(&query, |index, _| {
             let offset = Vec3::from_array(map.photon(index).position) - hit.position;
-            sum.add(index, kernel.weight(offset.length_squared() / radius_squared));
+            sum.add(index, kernel.weights(offset.length_squared() / radius_squared));
         });
     }
-    (sum.flux, sum.photons)
+    sum.gathered
 }
 
 /// The sums of a merge.
@@ -224,8 +224,7 @@ struct MergeSum<'a> {
     view: View,
     constant: Option<Rgb>,
     acceptance: f32,
-    flux: Rgb,
-    photons: f32,
+    gathered: Gathered,
 }
 
 impl<'a> MergeSum<'a> {
@@ -234,18 +233,18 @@ impl<'a> MergeSum<'a> {
         let material = walk.scene.material(camera.hit.shape);
         let view = shading::view(&camera.hit, TransportMode::Radiance);
         let constant = material.constant_value(&view);
-        Self { walk, camera, merging, material, view, constant, acceptance, flux: Rgb::ZERO, photons: 0.0 }
+        Self { walk, camera, merging, material, view, constant, acceptance, gathered: Gathered::default() }
     }
 
-    /// Adds the photon at a place in the map.
+    /// Adds the photon at a place in the map: its shares of the flux and of the inner flux.
     #[inline(always)]
-    fn add(&mut self, index: usize, share: f32) {
+    fn add(&mut self, index: usize, [share, inner_share]: [f32; 2]) {
         let Self { walk, camera, view, .. } = *self;
         let light = &self.merging.records[index];
         if !walk.selection.takes(camera.segments + light.segments, light.segments, camera.segments) {
             return;
         }
-        self.photons += 1.0;
+        self.gathered.photons += 1.0;
         let incident = camera.hit.frame.to_local(octahedral::decode(light.direction));
         // Photons carry their cosine already.
         let value = match self.constant {
@@ -263,7 +262,9 @@ impl<'a> MergeSum<'a> {
                 walk.weighting.merged([&camera.sums, &light.sums], pdf, self.acceptance)
             }
         };
-        let carried = camera.throughput * value * self.merging.map.flux(index) * share;
-        self.flux += walk.selection.shown(carried, weight);
+        let carried = camera.throughput * value * self.merging.map.flux(index);
+        let shown = walk.selection.shown(carried, weight);
+        self.gathered.flux += shown * share;
+        self.gathered.inner_flux += shown * inner_share;
     }
 }

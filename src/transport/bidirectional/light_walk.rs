@@ -21,13 +21,15 @@ pub struct LightWalk<'a> {
     pub seed: u64,
     /// Pass index.
     pub pass: u32,
+    /// Light subpaths of a pass.
+    pub paths: u32,
 }
 
 impl LightWalk<'_> {
     /// The numbers of light subpath `path`.
     #[inline]
     pub fn random(&self, path: u32) -> PathRandom {
-        PathRandom::new(self.seed, Stream::Photon, self.pass, path)
+        PathRandom::among(self.seed, Stream::Photon, self.pass, path, self.paths)
     }
 
     /// Traces light subpath `path` and shows each vertex with a lobe that has a density to `visit`.

@@ -36,14 +36,14 @@ fn cell_of(grid: &Grid, photon: &Photon) -> usize {
     grid.cell(grid.coordinates(Vec3::from_array(photon.position)))
 }
 
-/// Emits `count` photons and traces them; `None` when `cancel` was set meanwhile.
+/// Emits the photons of a pass and traces them; `None` when `cancel` was set meanwhile.
 pub fn trace(
     scene: &Scene,
     settings: &PhotonSettings,
-    count: u32,
     grid: &Grid,
     cancel: &AtomicBool,
 ) -> Option<(Vec<PhotonChunk>, Counters)> {
+    let count = settings.paths;
     let chunks = count.div_ceil(PATHS_PER_CHUNK);
     let traced: Option<Vec<(PhotonChunk, Counters)>> = (0..chunks)
         .into_par_iter()

@@ -40,13 +40,25 @@ impl GatherQuery {
     }
 }
 
-/// What was found.
+/// What was found: flux of photons (W), or what surfaces reflect of it (W·sr⁻¹).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gathered {
-    /// Sum of flux, W.
+    /// Sum of flux.
     pub flux: Rgb,
+    /// Sum of the flux inside half the disc's area. Twice as much as it is what `flux` would be without half its bias.
+    pub inner_flux: Rgb,
     /// Number of photons.
     pub photons: f32,
+}
+
+impl Gathered {
+    /// Adds what another gather found, its flux times `factor`.
+    #[inline]
+    pub fn add(&mut self, other: &Self, factor: Rgb) {
+        self.flux += other.flux * factor;
+        self.inner_flux += other.inner_flux * factor;
+        self.photons += other.photons;
+    }
 }
 
 pub(super) const LANES: usize = 8;
@@ -55,6 +67,7 @@ const LANE: i32x8 = i32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
 #[derive(Default)]
 struct LaneSums {
     flux: [f32x8; 3],
+    inner_flux: [f32x8; 3],
     photons: f32x8,
 }
 
@@ -84,26 +97,30 @@ impl PhotonMap {
         // Lane by lane: a sum in another order would depend on the machine.
         let total = |lanes: &f32x8| lanes.to_array().iter().sum::<f32>();
         Gathered {
-            flux: Rgb::new(total(&sums.flux[0]), total(&sums.flux[1]), total(&sums.flux[2])),
+            flux: Rgb::from_array([0, 1, 2].map(|channel| total(&sums.flux[channel]))),
+            inner_flux: Rgb::from_array([0, 1, 2].map(|channel| total(&sums.inner_flux[channel]))),
             photons: total(&sums.photons),
         }
     }
 
-    /// Shows every photon that counts to `visit`, in the map's order.
+    /// Shows every photon that counts to `visit`, in the map's order, and whether it lies inside half the disc's area.
     #[inline]
-    pub fn visit(&self, query: &GatherQuery, mut visit: impl FnMut(&Photon)) {
-        self.visit_indices(query, |index| visit(&self.photon(index)));
+    pub fn visit(&self, query: &GatherQuery, mut visit: impl FnMut(&Photon, bool)) {
+        self.visit_indices(query, |index, is_inner| visit(&self.photon(index), is_inner));
     }
 
-    /// Shows the place in the map of every photon that counts to `visit`, in ascending order.
+    /// Shows the place in the map of every photon that counts to `visit`, in ascending order, and whether it lies inside
+    /// half the disc's area.
     #[inline]
-    pub fn visit_indices(&self, query: &GatherQuery, mut visit: impl FnMut(usize)) {
+    pub fn visit_indices(&self, query: &GatherQuery, mut visit: impl FnMut(usize, bool)) {
         let test = LaneTest::new(query);
         self.for_each_run(query, |first, last| {
             for index in (first..last).step_by(LANES) {
-                let mut found = test.count(&self.photons, index, last).to_bitmask();
+                let (counts, inner) = test.count(&self.photons, index, last);
+                let (mut found, inner) = (counts.to_bitmask(), inner.to_bitmask());
                 while found != 0 {
-                    visit(index + found.trailing_zeros() as usize);
+                    let lane = found.trailing_zeros();
+                    visit(index + lane as usize, inner >> lane & 1 != 0);
                     found &= found - 1;
                 }
             }
@@ -130,10 +147,12 @@ impl PhotonMap {
     #[inline]
     fn sum_run(&self, first: usize, last: usize, test: &LaneTest, sums: &mut LaneSums) {
         for index in (first..last).step_by(LANES) {
-            let counts = test.count(&self.photons, index, last);
+            let (counts, inner) = test.count(&self.photons, index, last);
             sums.photons += counts & f32x8::ONE;
-            for (sum, flux) in sums.flux.iter_mut().zip(&self.photons.flux) {
-                *sum += counts & lanes(flux, index);
+            for (channel, flux) in self.photons.flux.iter().enumerate() {
+                let flux = lanes(flux, index);
+                sums.flux[channel] += counts & flux;
+                sums.inner_flux[channel] += inner & flux;
             }
         }
     }
@@ -184,11 +203,14 @@ impl LaneTest {
         }
     }
 
-    /// All bits of the lanes whose photon counts, of eight from `index` on and before `last`.
+    /// All bits of the lanes whose photon counts, of eight from `index` on and before `last`; and of those whose photon counts
+    /// and lies inside half the disc's area.
     #[inline(always)]
-    fn count(&self, photons: &PhotonColumns, index: usize, last: usize) -> f32x8 {
+    fn count(&self, photons: &PhotonColumns, index: usize, last: usize) -> (f32x8, f32x8) {
         let seen = self.look(photons, index, last);
-        seen.distance_squared.simd_lt(self.radius_squared) & seen.height.abs().simd_le(self.flatness) & seen.suitable
+        let flat = seen.height.abs().simd_le(self.flatness) & seen.suitable;
+        let counts = seen.distance_squared.simd_lt(self.radius_squared) & flat;
+        (counts, seen.distance_squared.simd_lt(0.5 * self.radius_squared) & counts)
     }
 
     /// Eight photons from `index` on and before `last`, whatever their distance.

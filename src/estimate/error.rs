@@ -1,0 +1,172 @@
+//! How far a picture is from the truth, told by the job's own passes, without a reference.
+//!
+//! **Noise.** The even and the odd passes are two independent estimates `A` and `B` of the same picture. With shares `a` and `b`
+//! of the passes, `E[a·b·(A − B)²]` is the variance of `a·A + b·B`, whatever the distribution and although passes are
+//! spread evenly among each other.
+//!
+//! **Bias.** A density estimate's bias grows with the disc's area where the density is smooth: `L(R²) ≈ L + c·R²`. Inside half the area it
+//! is half as much, so `2·(L(R²) − L(R²/2))` estimates it, with noise. The product of the two twins' estimates has no noise in
+//! the mean: `E[D_A·D_B] = bias²`. At edges the estimate is too small: there the bias falls slower than the area.
+//!
+//! Errors are relative as in `relMSE = mean((L − truth)²/(Y² + 10⁻³·m²))`, Y the truth's mean of channels in the pixel and m that of
+//! the picture; what stands for Y here is the picture, smoothed where it is noisy.
+
+use super::merging::{Estimate, RegionProgress};
+use super::shard::Twin;
+
+/// The floor of squared radiance that errors are compared with, as a share of the picture's squared mean.
+const FLOOR: f64 = 1e-3;
+/// Pixels on each side of one that may be averaged for Y.
+const REACHES: [usize; 5] = [0, 1, 2, 3, 5];
+/// Y is the mean of the smallest neighbourhood whose mean has at most this relative variance.
+const KNOWN: f64 = 0.02;
+/// Errors in blocks of this many pixels on a side count as independent.
+const BLOCK: usize = 16;
+/// How often a bound holds.
+pub const CONFIDENCE: f64 = 0.95;
+/// One-sided 95 % of a normal distribution, in standard deviations.
+const DEVIATIONS: f64 = 1.645;
+/// Averaging makes the error of dark pixels beside bright ones look smaller: by up to this factor for the whole picture on our
+/// references (docs/ERROR-BOUNDS.md).
+const MARGIN: f64 = 1.3;
+
+/// A picture's error as its own passes tell it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorEstimate {
+    /// relMSE by noise.
+    pub noise: f64,
+    /// relMSE by bias; 0 without density estimates.
+    pub bias: f64,
+    /// What relMSE is below with 95 % confidence.
+    pub bound: f64,
+}
+
+/// What a pixel's twins tell.
+#[derive(Clone, Copy, Default)]
+struct PixelError {
+    /// Mean of the channels of the radiance, W·sr⁻¹·m⁻².
+    gray: f64,
+    /// Variance, mean of the channels.
+    variance: f64,
+    /// Squared bias, mean of the channels; may be negative.
+    squared_bias: f64,
+}
+
+impl Estimate {
+    /// The error of [`Estimate::picture`]; `None` before each twin has a pass in every region.
+    pub fn error(&self) -> Option<ErrorEstimate> {
+        let mut pixels = Vec::with_capacity(self.pixels.len());
+        for progress in &self.progress {
+            self.region_errors(progress, &mut pixels)?;
+        }
+        let count = pixels.len() as f64;
+        let mean = pixels.iter().map(|pixel| pixel.gray).sum::<f64>() / count;
+        if mean <= 0.0 {
+            return None;
+        }
+        let (width, height) = (self.width as usize, self.height as usize);
+        let smooth = Smooth::new(&pixels, width, height, FLOOR * mean * mean);
+        let mut blocks = vec![(0.0, 0.0); width.div_ceil(BLOCK) * height.div_ceil(BLOCK)];
+        let (mut noise, mut bias) = (0.0, 0.0);
+        for (index, pixel) in pixels.iter().enumerate() {
+            let (row, column) = (index / width, index % width);
+            let scale = smooth.inverse_square(row, column);
+            let (by_noise, by_bias) = (pixel.variance * scale, pixel.squared_bias * scale);
+            (noise, bias) = (noise + by_noise / count, bias + by_bias / count);
+            let block = &mut blocks[row / BLOCK * width.div_ceil(BLOCK) + column / BLOCK];
+            *block = (block.0 + by_noise + by_bias, block.1 + 1.0);
+        }
+        let bias = bias.max(0.0);
+        let bound = MARGIN * (noise + bias) + DEVIATIONS * deviation_of_mean(&blocks);
+        Some(ErrorEstimate { noise, bias, bound })
+    }
+
+    fn region_errors(&self, progress: &RegionProgress, pixels: &mut Vec<PixelError>) -> Option<()> {
+        let scales = [progress.scale(&[Twin::Even])?, progress.scale(&[Twin::Odd])?];
+        let shares = progress.passes.map(|passes| f64::from(passes) / f64::from(progress.all_passes()));
+        let start = progress.region.row_start as usize * self.width as usize;
+        for index in start..start + progress.region.pixel_count(self.width) {
+            let sums = [&self.twins[0][index], &self.twins[1][index]];
+            let radiance = [0, 1].map(|twin| {
+                let (sums, scale) = (sums[twin], scales[twin]);
+                [0, 1, 2].map(|c| sums.radiance[c] * scale.per_pass + sums.flux_density[c] * scale.per_photon)
+            });
+            let bias = [0, 1].map(|twin| {
+                let outer = sums[twin].flux_density.iter().sum::<f64>() / 3.0;
+                2.0 * (outer - 2.0 * sums[twin].inner_flux_density) * scales[twin].per_photon
+            });
+            let mean = [0, 1, 2].map(|c| shares[0] * radiance[0][c] + shares[1] * radiance[1][c]);
+            let gray = mean.iter().sum::<f64>() / 3.0;
+            let squares = mean.iter().map(|value| value * value).sum::<f64>() / 3.0;
+            let colored = if gray > 0.0 { squares / (gray * gray) } else { 1.0 };
+            let difference = (0..3).map(|c| (radiance[0][c] - radiance[1][c]).powi(2)).sum::<f64>() / 3.0;
+            pixels.push(PixelError {
+                gray,
+                variance: shares[0] * shares[1] * difference,
+                squared_bias: bias[0] * bias[1] * colored,
+            });
+        }
+        Some(())
+    }
+}
+
+/// Means over the neighbourhoods of pixels.
+struct Smooth {
+    width: usize,
+    height: usize,
+    /// Sums of gray and of variance over all pixels above and to the left, with a row and a column of zeros first.
+    sums: Vec<[f64; 2]>,
+    /// Added to squared radiance.
+    floor: f64,
+}
+
+impl Smooth {
+    fn new(pixels: &[PixelError], width: usize, height: usize, floor: f64) -> Self {
+        let stride = width + 1;
+        let mut sums = vec![[0.0; 2]; stride * (height + 1)];
+        for row in 0..height {
+            let mut left = [0.0; 2];
+            for column in 0..width {
+                let pixel = &pixels[row * width + column];
+                left = [left[0] + pixel.gray, left[1] + pixel.variance];
+                let above = sums[row * stride + column + 1];
+                sums[(row + 1) * stride + column + 1] = [above[0] + left[0], above[1] + left[1]];
+            }
+        }
+        Self { width, height, sums, floor }
+    }
+
+    /// 1/(Y² + floor) of a pixel.
+    fn inverse_square(&self, row: usize, column: usize) -> f64 {
+        let mut inverse = 0.0;
+        for reach in REACHES {
+            let [gray, _, pixels] = self.mean(row, column, reach);
+            // A single pixel's variance is too noisy to trust.
+            let variance = self.mean(row, column, reach.max(1))[1];
+            inverse = 1.0 / (gray * gray + self.floor);
+            if variance / pixels * inverse < KNOWN {
+                break;
+            }
+        }
+        inverse
+    }
+
+    /// Mean gray and variance of the pixels within `reach`, and their number.
+    fn mean(&self, row: usize, column: usize, reach: usize) -> [f64; 3] {
+        let [top, left] = [row, column].map(|place| place.saturating_sub(reach));
+        let (bottom, right) = ((row + reach + 1).min(self.height), (column + reach + 1).min(self.width));
+        let at = |row: usize, column: usize| self.sums[row * (self.width + 1) + column];
+        let [above_left, above, before, whole] = [at(top, left), at(top, right), at(bottom, left), at(bottom, right)];
+        let pixels = ((bottom - top) * (right - left)) as f64;
+        let mean = |part: usize| (whole[part] - above[part] - before[part] + above_left[part]) / pixels;
+        [mean(0), mean(1), pixels]
+    }
+}
+
+/// The standard deviation of Σ sum/Σ count, from sums and counts of blocks.
+fn deviation_of_mean(blocks: &[(f64, f64)]) -> f64 {
+    let count: f64 = blocks.iter().map(|(_, count)| count).sum();
+    let mean = blocks.iter().map(|(sum, _)| sum).sum::<f64>() / count;
+    let squares: f64 = blocks.iter().map(|(sum, count)| (sum - mean * count).powi(2)).sum();
+    squares.sqrt() / count
+}

@@ -1,0 +1,96 @@
+//! A job's own error estimate against errors that are known because they were put in.
+
+use photonfarm::estimate::{Estimate, RadiusRule, Region, Shard, Tally};
+use photonfarm::math::random::{PathRandom, Stream};
+
+const SIZE: u32 = 64;
+const PHOTONS: u64 = 1000;
+const REGION: Region = Region { row_start: 0, row_end: SIZE };
+
+/// Sums of one pixel in one pass: radiance, flux density (over πE), and its part inside half the disc's area.
+struct Sample {
+    radiance: f32,
+    density: f32,
+    inner: f32,
+}
+
+/// An estimate of `passes` passes, each of invented samples.
+fn invented(passes: u32, sample: impl Fn(u32, u32) -> Sample) -> Estimate {
+    let pixels = SIZE * SIZE;
+    let mut estimate =
+        Estimate::new(SIZE, SIZE, &[REGION], &vec![1.0; pixels as usize], RadiusRule::Schedule, 2.0 / 3.0);
+    for first_pass in 0..passes {
+        let field = estimate.radius_field(REGION);
+        let mut tally = Tally::zero(Shard { first_pass, passes: 1, region: REGION }, SIZE);
+        tally.photons_emitted = PHOTONS;
+        let per_photon = std::f32::consts::PI * PHOTONS as f32;
+        for (pixel, index) in tally.pixels.iter_mut().zip(0..) {
+            let Sample { radiance, density, inner } = sample(first_pass, index);
+            pixel.radiance = [radiance; 3];
+            pixel.flux = [density * per_photon; 3];
+            pixel.inner_flux = inner * per_photon;
+        }
+        estimate.merge(&tally, &field).expect("the tally fits");
+    }
+    estimate
+}
+
+/// A number in [-1, 1), of variance 1/3. Independent for all passes and pixels: later blocks are not spread evenly.
+fn noise(pass: u32, pixel: u32, number: usize) -> f32 {
+    2.0 * PathRandom::new(3, Stream::Camera, pass, pixel).block(100)[number] - 1.0
+}
+
+fn true_relmse(estimate: &Estimate, truth: f64) -> f64 {
+    let picture = estimate.picture().radiance;
+    let error = |pixel: &[f32; 3]| (f64::from(pixel[0]) - truth).powi(2);
+    picture.iter().map(error).sum::<f64>() / (picture.len() as f64 * truth * truth * 1.001)
+}
+
+#[test]
+fn noise_that_was_put_in_is_found() {
+    for (passes, strength) in [(4, 0.3), (9, 1.0), (32, 3.0)] {
+        let estimate = invented(passes, |pass, pixel| Sample {
+            radiance: 2.0 * (1.0 + strength * noise(pass, pixel, 0)),
+            density: 0.0,
+            inner: 0.0,
+        });
+        let error = estimate.error().expect("both twins have passes");
+        let expected = f64::from(strength * strength) / 3.0 / f64::from(passes);
+        // 4096 squared differences: ± 2.2 % of their mean.
+        assert!((error.noise / expected - 1.0).abs() < 0.08, "{error:?} where {expected} was put in");
+        assert_eq!(error.bias, 0.0);
+        let real = true_relmse(&estimate, 2.0);
+        assert!(real < error.bound && error.bound < 2.0 * real, "{error:?} where the error is {real}");
+    }
+}
+
+/// L(R²) = 1 + c·R²: the disc finds 1 + c, half its area half of 1 + c/2.
+#[test]
+fn bias_that_was_put_in_is_found() {
+    for (c, strength) in [(0.2, 0.0), (0.2, 0.1), (-0.1, 0.05)] {
+        let estimate = invented(32, |pass, pixel| {
+            let [ring, middle] = [1, 2].map(|number| 0.5 * strength * noise(pass, pixel, number));
+            let inner = 0.5 * (1.0 + 0.5 * c) + middle;
+            Sample { radiance: 0.0, density: 1.0 + c + ring + middle, inner }
+        });
+        let error = estimate.error().expect("both twins have passes");
+        let expected = f64::from(c * c / ((1.0 + c) * (1.0 + c)));
+        assert!((error.bias / expected - 1.0).abs() < 0.05, "{error:?} where {expected} was put in");
+        let real = true_relmse(&estimate, 1.0);
+        assert!(real < 1.5 * error.bound, "{error:?} where the error is {real}");
+    }
+}
+
+#[test]
+fn nothing_is_said_before_both_twins_have_a_pass() {
+    let sample = |_, _| Sample { radiance: 1.0, density: 0.0, inner: 0.0 };
+    assert_eq!(invented(0, sample).error(), None);
+    assert_eq!(invented(1, sample).error(), None);
+    assert!(invented(2, sample).error().is_some());
+}
+
+/// A black picture has no scale to measure an error by.
+#[test]
+fn a_black_picture_has_no_error() {
+    assert_eq!(invented(4, |_, _| Sample { radiance: 0.0, density: 0.0, inner: 0.0 }).error(), None);
+}
