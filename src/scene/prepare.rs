@@ -306,8 +306,7 @@ fn light_table(
     textures: &mut TextureReader<'_>,
     description: &SceneDescription,
 ) -> Result<LightTable, SceneError> {
-    let (center, radius) = geometry.bounding_sphere();
-    let surroundings = Surroundings { center, radius };
+    let surroundings = Surroundings::new(geometry.bounds());
     for node in emitters {
         let light = read_emitter(node, surroundings, textures, &description.bundle)?;
         if light.is_environment() && lights.iter().any(Light::is_environment) {

@@ -141,7 +141,7 @@ impl CameraWalk<'_> {
         }
         let (sums, emitted) = match hit {
             Some(hit) => (self.arrive(hit, segments, last), lights.emission_pdf(&self.scene.geometry, hit)),
-            None => (last.sums, sampled * lights.environment_emission_ratio()),
+            None => (last.sums, sampled * lights.environment_emission_ratio(ray.direction)),
         };
         Some((radiance, self.weighting.hit(&sums, last.pdf, sampled, emitted, acceptance)))
     }
