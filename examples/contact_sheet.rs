@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example contact_sheet -- sheet.png ours.exr reference.exr [more pairs]` takes seconds. Both pictures
 //! of a row get the exposure that puts the reference's 95th percentile at 0.8; the difference is relative to the brighter one,
-//! full color at 50 %. Pictures of one pair must have one size; each is shrunk to tiles of 256 pixels.
+//! full color at 50 %. A reference that is larger is averaged to the size of ours; each is shrunk to tiles of 256 pixels. What
+//! `compare` finds is printed.
 //!
 //! `contact_sheet sheet.png alone a.exr b.exr …` lays pictures that have no reference three to a row.
 
@@ -12,6 +13,7 @@ use std::path::Path;
 use image::{Rgb, RgbImage};
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::read_exr;
+use photonfarm::evaluation::compare;
 
 const TILE: u32 = 256;
 
@@ -37,7 +39,13 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn row(ours: &str, reference: &str) -> Result<RgbImage, Box<dyn Error>> {
-    let (ours, reference) = (tile(&read_exr(Path::new(ours))?), tile(&read_exr(Path::new(reference))?));
+    let (name, ours, reference) = (ours, read_exr(Path::new(ours))?, read_exr(Path::new(reference))?);
+    let reference = shrunk(&reference, reference.width.min(ours.width));
+    match compare(&ours, &reference, None) {
+        Ok(found) => println!("{name}: mean {:+.2} %, relMSE {:.4}", 100.0 * found.bias, found.relmse),
+        Err(problem) => println!("{name}: {problem}"),
+    }
+    let (ours, reference) = (tile(&ours), tile(&reference));
     if ours.height != reference.height {
         return Err(format!("the pictures of a pair have {} and {} rows", ours.height, reference.height).into());
     }
@@ -46,7 +54,7 @@ fn row(ours: &str, reference: &str) -> Result<RgbImage, Box<dyn Error>> {
     for y in 0..ours.height {
         for x in 0..TILE {
             let index = (y * TILE + x) as usize;
-            let (a, b) = (ours.pixels[index], reference.pixels[index]);
+            let (a, b) = (ours.radiance[index], reference.radiance[index]);
             row.put_pixel(x, y, shown(a, exposure));
             row.put_pixel(TILE + x, y, shown(b, exposure));
             row.put_pixel(2 * TILE + x, y, difference(a, b));
@@ -65,7 +73,7 @@ fn row_alone(pictures: &[String]) -> Result<RgbImage, Box<dyn Error>> {
     let mut row = RgbImage::new(3 * TILE, height);
     for (column, tile) in tiles.iter().enumerate() {
         let exposure = 0.8 / percentile(tile);
-        for (index, pixel) in tile.pixels.iter().enumerate() {
+        for (index, pixel) in tile.radiance.iter().enumerate() {
             let (x, y) = (index as u32 % TILE, index as u32 / TILE);
             row.put_pixel(column as u32 * TILE + x, y, shown(*pixel, exposure));
         }
@@ -73,24 +81,23 @@ fn row_alone(pictures: &[String]) -> Result<RgbImage, Box<dyn Error>> {
     Ok(row)
 }
 
-struct Tile {
-    height: u32,
-    pixels: Vec<[f32; 3]>,
+fn tile(picture: &Picture) -> Picture {
+    shrunk(picture, TILE)
 }
 
-/// Means over the pixels that fall into each pixel of a tile.
-fn tile(picture: &Picture) -> Tile {
-    let height = (TILE * picture.height).div_ceil(picture.width).max(1);
+/// Means over the pixels that fall into each pixel of a picture of another width.
+fn shrunk(picture: &Picture, width: u32) -> Picture {
+    let height = (width * picture.height).div_ceil(picture.width).max(1);
     let range = |place: u32, of: u32, size: u32| {
         let first = place * size / of;
         first..((place + 1) * size / of).max(first + 1).min(size)
     };
-    let mut pixels = Vec::with_capacity((TILE * height) as usize);
+    let mut pixels = Vec::with_capacity((width * height) as usize);
     for y in 0..height {
-        for x in 0..TILE {
+        for x in 0..width {
             let (mut sum, mut count) = ([0.0; 3], 0.0);
             for source_y in range(y, height, picture.height) {
-                for source_x in range(x, TILE, picture.width) {
+                for source_x in range(x, width, picture.width) {
                     let radiance = picture.radiance[(source_y * picture.width + source_x) as usize];
                     (0..3).for_each(|channel| sum[channel] += radiance[channel]);
                     count += 1.0;
@@ -99,11 +106,11 @@ fn tile(picture: &Picture) -> Tile {
             pixels.push(sum.map(|sum: f32| sum / count));
         }
     }
-    Tile { height, pixels }
+    Picture { width, height, radiance: pixels }
 }
 
-fn percentile(tile: &Tile) -> f32 {
-    let mut values: Vec<f32> = tile.pixels.iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).collect();
+fn percentile(tile: &Picture) -> f32 {
+    let mut values: Vec<f32> = tile.radiance.iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).collect();
     values.sort_by(f32::total_cmp);
     values[values.len() * 95 / 100].max(f32::MIN_POSITIVE)
 }

@@ -14,7 +14,6 @@ use photonfarm::math::discrete::Discrete;
 use photonfarm::math::{Frame, Rgb, Vec2, Vec3, warp};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
-use photonfarm::scene::light::Light;
 use photonfarm::scene::material::{Material, TransportMode, View};
 use scene_text::prepare;
 
@@ -565,32 +564,6 @@ fn chi_square_photons_of_points_and_spots() {
             assert!((f64::from(photon.flux.x) - expected).abs() < 2e-3 / density, "{spot} at {angle} rad");
         }
     }
-}
-
-#[test]
-fn chi_square_photons_of_distant_lights() {
-    let cube = "<shape type='cube'><transform name='to_world'><translate value='1, 2, 3'/></transform></shape>";
-    let sun = "<emitter type='directional'><vector name='direction' value='1, -2, 0.5'/></emitter>";
-    let lit = scene(&format!("{cube}{sun}"));
-    let (center, radius) = lit.geometry.bounding_sphere();
-    let area = PI * f64::from(radius).powi(2);
-    let axis = Frame::from_normal(Vec3::new(1.0, -2.0, 0.5).normalize());
-    let on_disc = |axis: &Frame, origin: Vec3| {
-        let local = axis.to_local(origin - center) / radius;
-        assert!(local.z <= -0.999, "photons start inside the scene");
-        [f64::from(local.truncate().length_squared()), turn(local.x, local.y)]
-    };
-    let photons = emissions(80, &lit, area);
-    assert!(photons.iter().all(|p| p.direction.distance(axis.normal) < 1e-6));
-    assert_uniform(photons.iter().map(|p| on_disc(&axis, p.origin)), "directional: positions");
-
-    let lit = scene(&format!("{cube}<emitter type='constant'/>"));
-    let photons = emissions(81, &lit, 4.0 * PI * area);
-    let sphere = photons.iter().map(|p| Some(p.direction));
-    assert_directions(sphere, |_| f64::from(warp::SPHERE_PDF), -1.0, "constant: directions");
-    let points = photons.iter().map(|p| on_disc(&Frame::from_normal(p.direction), p.origin));
-    assert_uniform(points, "constant: positions");
-    assert!(matches!(lit.lights.lights(), [Light::Constant(_)]));
 }
 
 // ---- Cameras. -----------------------------------------------------------------------------------------------------

@@ -110,11 +110,15 @@ fn analytic_distant_light_on_what_it_meets() {
         "<shape type='rectangle'><transform name='to_world'><rotate x='1' angle='-90'/></transform>{BLACK}</shape>"
     );
     let lit = scene(&format!("{floor}{sun}"));
-    let (_, radius) = lit.geometry.bounding_sphere();
-    let disc = 2.0 * PI * f64::from(radius).powi(2);
-    assert!((power(&lit) / disc - 1.0).abs() < 1e-5, "the disc round the scene gets {} W of {disc} W", power(&lit));
-    // What is not stored passes by: the rest of the disc's flux escapes.
-    assert_flux(&lit, None, 2.0 * 4.0 * 0.6, "floor in the sun");
+    let arriving = 2.0 * 4.0 * 0.6;
+    assert!((power(&lit) / arriving - 1.0).abs() < 1e-5, "{} W are sent where {arriving} W arrive", power(&lit));
+    assert_flux(&lit, None, arriving, "floor in the sun");
+    // With a ball above its corner, most of what enters the box passes by.
+    let ball_above = format!(
+        "<shape type='sphere'><float name='radius' value='0.1'/><point name='center' value='0.8, 2, 0.8'/>{BLACK}</shape>"
+    );
+    let both = arriving + 2.0 * PI * 0.01;
+    assert_flux(&scene(&format!("{floor}{ball_above}{sun}")), None, both, "floor and ball in the sun");
 
     let ball = format!(
         "<shape type='sphere'><float name='radius' value='0.5'/><point name='center' value='1, 2, 3'/>{BLACK}</shape>"

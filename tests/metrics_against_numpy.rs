@@ -61,3 +61,22 @@ fn different_sizes_are_an_error() {
     assert!(matches!(error, CompareError::SizeMismatch { what: "image", .. }));
     assert!(error.to_string().contains("1 × 2"), "{error}");
 }
+
+#[test]
+fn a_pixel_without_a_value_is_an_error_that_names_it() {
+    let good = picture(reference_value);
+    let (column, row) = (5, 2);
+    for value in [f32::INFINITY, f32::NAN] {
+        let mut bad = good.clone();
+        bad.radiance[row * good.width as usize + column][1] = value;
+        for (what, result) in [
+            ("image", compare(&bad, &good, None)),
+            ("reference", compare(&good, &bad, None)),
+            ("standard error", compare(&good, &good, Some(&bad))),
+        ] {
+            let text = result.expect_err("nothing can be measured").to_string();
+            let expected = [what, &value.to_string(), "column 5, row 2"];
+            assert!(expected.iter().all(|part| text.contains(part)), "{text}");
+        }
+    }
+}

@@ -53,6 +53,18 @@ pub enum CompareError {
         /// Width × height of the other one.
         found: String,
     },
+    /// A pixel is infinite or not a number: every mean would be too.
+    #[error("the {what} has {value} at column {column}, row {row}; mend that pixel in both pictures, say by 0")]
+    NotFinite {
+        /// Which picture.
+        what: &'static str,
+        /// Its column, from 0.
+        column: usize,
+        /// Its row, from 0.
+        row: usize,
+        /// Red, green and blue.
+        value: String,
+    },
     /// There is nothing to compare.
     #[error("the reference has no pixels; give a picture that has some")]
     Empty,
@@ -66,6 +78,8 @@ pub fn compare(
     standard_error: Option<&Picture>,
 ) -> Result<Metrics, CompareError> {
     check_size("image", image, reference)?;
+    check_finite("image", image)?;
+    check_finite("reference", reference)?;
     let mean = mean_of(&reference.radiance);
     let denominators: Vec<f64> =
         reference.radiance.iter().map(|pixel| channel_mean(pixel).powi(2) + 1e-3 * mean * mean).collect();
@@ -79,6 +93,7 @@ pub fn compare(
         None => None,
         Some(noise) => {
             check_size("standard error", noise, reference)?;
+            check_finite("standard error", noise)?;
             Some(noise_part(noise, &denominators))
         }
     };
@@ -103,6 +118,14 @@ fn check_size(what: &'static str, other: &Picture, reference: &Picture) -> Resul
     }
     let size = |picture: &Picture| format!("{} × {}", picture.width, picture.height);
     Err(CompareError::SizeMismatch { what, expected: size(reference), found: size(other) })
+}
+
+fn check_finite(what: &'static str, picture: &Picture) -> Result<(), CompareError> {
+    let infinite = |pixel: &[f32; 3]| !pixel.iter().all(|channel| channel.is_finite());
+    let Some(index) = picture.radiance.iter().position(infinite) else { return Ok(()) };
+    let (column, row) = (index % picture.width as usize, index / picture.width as usize);
+    let value = picture.radiance[index].map(|channel| channel.to_string()).join(", ");
+    Err(CompareError::NotFinite { what, column, row, value })
 }
 
 fn noise_part(standard_error: &Picture, denominators: &[f64]) -> ReferenceNoise {

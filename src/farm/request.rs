@@ -60,7 +60,7 @@ pub fn resolve_method(
         }
         (_, Err(problem)) => return Err(problem.into()),
     };
-    notices.extend(method::blind_spot(&method, traits));
+    notices.extend(method::notices(&method, traits));
     Ok(ResolvedMethod { method, notices })
 }
 

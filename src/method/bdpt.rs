@@ -32,6 +32,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "light of point, spot and directional lights through glass onto what glass or mirrors show",
     reference: "Lafortune & Willems 1993; Veach 1997, chapter 10",
     parameters: RECIPE.parameters,
+    negative_lobes: true,
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),

@@ -26,6 +26,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "anything that the camera sees in mirrors or through glass",
     reference: "Arvo 1986; Veach 1997, chapter 10",
     parameters: RECIPE.parameters,
+    negative_lobes: true,
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),

@@ -40,6 +40,10 @@ pub struct MethodEntry {
     pub reference: &'static str,
     /// Its parameters.
     pub parameters: &'static [ParameterHelp],
+    /// Whether it takes filters with negative lobes as they are; else they become `gaussian`. Weights of both signs leave
+    /// every mean right, but even where a picture is even they are noise, which only methods do not mind whose paths are as
+    /// noisy.
+    pub negative_lobes: bool,
     /// Light of a scene with such traits that it never finds, if there is any, and methods that do.
     blind_to: fn(&CheckedMethod, SceneTraits) -> Option<&'static str>,
     /// Checks parameters for a picture of so many pixels and writes every default out.
@@ -71,6 +75,8 @@ pub struct SceneTraits {
     pub point_lights: bool,
     /// Mirrors, glass and other perfectly specular surfaces.
     pub specular: bool,
+    /// A reconstruction filter with negative lobes.
+    pub negative_lobes: bool,
 }
 
 impl SceneTraits {
@@ -79,6 +85,7 @@ impl SceneTraits {
         Self {
             point_lights: scene.lights.lights().iter().any(|light| !light.has_extent()),
             specular: scene.lobes().any(Lobes::SPECULAR),
+            negative_lobes: scene.film.filter.has_negative_lobes(),
         }
     }
 }
@@ -185,6 +192,20 @@ pub fn blind_spot(method: &CheckedMethod, traits: SceneTraits) -> Option<String>
     let name = &method.choice.name;
     let unseen = (entry(name).ok()?.blind_to)(method, traits)?;
     Some(format!("{name} cannot find {unseen}."))
+}
+
+/// What a user should know of a method in a scene: light that it never finds, and a filter that it replaces.
+pub fn notices(method: &CheckedMethod, traits: SceneTraits) -> Vec<String> {
+    let name = &method.choice.name;
+    let Ok(entry) = entry(name) else { return Vec::new() };
+    let replaced = (traits.negative_lobes && !entry.negative_lobes).then(|| {
+        let able = METHODS.iter().filter(|entry| entry.negative_lobes).map(|entry| entry.name);
+        let able = able.collect::<Vec<_>>().join(", ");
+        format!(
+            "{name} replaces the film's filter, which has negative lobes, by \"gaussian\"; {able} take it as it is."
+        )
+    });
+    blind_spot(method, traits).into_iter().chain(replaced).collect()
 }
 
 /// Prepares a checked method for a scene.

@@ -38,6 +38,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "caustics of point, spot and directional lights; small lamps behind glass are very noisy",
     reference: "Kajiya 1986; Veach 1997, chapter 9",
     parameters: RECIPE.parameters,
+    negative_lobes: true,
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),

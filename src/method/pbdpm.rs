@@ -48,6 +48,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011, section 3.4",
     parameters: RECIPE.parameters,
+    negative_lobes: true,
     blind_to: blind_to_nothing,
     check: |choice, pixels| RECIPE.check(choice, pixels),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),

@@ -69,6 +69,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "nothing; but more passes do not remove the bias of its estimate, only more photons per pass do",
     reference: "Jensen 1996",
     parameters: PARAMETERS,
+    negative_lobes: false,
     blind_to: blind_to_nothing,
     check,
     prepare,

@@ -52,6 +52,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "more camera paths than samples_per_pixel: edges and lenses stay as noisy as those leave them",
     reference: "Hachisuka, Ogaki & Jensen 2008",
     parameters: PARAMETERS,
+    negative_lobes: false,
     blind_to: blind_to_nothing,
     check,
     prepare,

@@ -39,6 +39,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "nothing; every path with a surface that is not a mirror or glass is found",
     reference: "Hachisuka & Jensen 2009; Knaus & Zwicker 2011",
     parameters: PARAMETERS,
+    negative_lobes: false,
     blind_to: blind_to_nothing,
     check,
     prepare,

@@ -46,6 +46,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Georgiev et al. 2012",
     parameters: RECIPE.parameters,
+    negative_lobes: true,
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),

@@ -32,11 +32,20 @@ pub struct Film {
     pub offset: [u32; 2],
     /// The reconstruction filter.
     pub filter: Filter,
+    /// The same where it has no negative lobes, else the `gaussian` that stands in for it.
+    pub smooth_filter: Filter,
 }
 
 impl Default for Film {
     fn default() -> Self {
-        Self { width: 768, height: 576, whole: [768, 576], offset: [0, 0], filter: Filter::Box }
+        Self {
+            width: 768,
+            height: 576,
+            whole: [768, 576],
+            offset: [0, 0],
+            filter: Filter::Box,
+            smooth_filter: Filter::Box,
+        }
     }
 }
 
@@ -75,7 +84,7 @@ impl Film {
             let down = self.filter.weight(y - (row + self.offset[1]) as f32);
             for column in left..right {
                 let weight = down * self.filter.weight(x - (column + self.offset[0]) as f32);
-                if weight > 0.0 {
+                if weight != 0.0 {
                     add(row * self.width + column, weight);
                 }
             }
@@ -83,18 +92,31 @@ impl Film {
     }
 
     /// A point of the whole film, (0, 0) top left to (1, 1) bottom right, for column and row of a pixel of the picture and
-    /// two numbers in [0, 1).
+    /// two numbers in [0, 1); and what a path through it counts, which may be negative.
     #[inline]
-    pub fn point(&self, [column, row]: [u32; 2], [x, y]: [f32; 2]) -> Vec2 {
-        Vec2::new(
-            ((column + self.offset[0]) as f32 + self.filter.place(x)) / self.whole[0] as f32,
-            ((row + self.offset[1]) as f32 + self.filter.place(y)) / self.whole[1] as f32,
-        )
+    pub fn point(&self, pixel: [u32; 2], u: [f32; 2]) -> (Vec2, f32) {
+        self.filtered_point(&self.filter, pixel, u)
+    }
+
+    /// [`Film::point`] for methods that take no negative lobes: all paths count 1.
+    #[inline]
+    pub fn smooth_point(&self, pixel: [u32; 2], u: [f32; 2]) -> Vec2 {
+        self.filtered_point(&self.smooth_filter, pixel, u).0
+    }
+
+    #[inline]
+    fn filtered_point(&self, filter: &Filter, [column, row]: [u32; 2], [x, y]: [f32; 2]) -> (Vec2, f32) {
+        let ((x, across), (y, down)) = (filter.sample(x), filter.sample(y));
+        let place = Vec2::new(
+            ((column + self.offset[0]) as f32 + x) / self.whole[0] as f32,
+            ((row + self.offset[1]) as f32 + y) / self.whole[1] as f32,
+        );
+        (place, across * down)
     }
 }
 
-/// Reads a film; what is approximated is added to `notices`.
-pub fn read(node: &Node, notices: &mut Vec<String>) -> Result<Film, SceneError> {
+/// Reads a film.
+pub fn read(node: &Node) -> Result<Film, SceneError> {
     if node.plugin != "hdrfilm" {
         let problem = format!("there is no film \"{}\"", node.plugin);
         return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &["hdrfilm"])));
@@ -112,11 +134,12 @@ pub fn read(node: &Node, notices: &mut Vec<String>) -> Result<Film, SceneError> 
     // These choose how Mitsuba writes files; pictures here are always linear 32-bit RGB until they are written.
     fields.ignore(&["pixel_format", "component_format", "file_format", "sample_border", "banner", "compensate"]);
     let filter = match fields.child(PluginClass::ReconstructionFilter) {
-        Some(node) => filter::read(node, notices)?,
+        Some(node) => filter::read(node)?,
         None => Filter::Box,
     };
     fields.finish()?;
-    Ok(Film { width, height, whole, offset: [x, y], filter })
+    let smooth_filter = if filter.has_negative_lobes() { Filter::gaussian(0.5) } else { filter.clone() };
+    Ok(Film { width, height, whole, offset: [x, y], filter, smooth_filter })
 }
 
 fn side(fields: &mut Fields<'_>, name: &'static str, default: u32) -> Result<u32, SceneError> {

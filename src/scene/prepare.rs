@@ -43,7 +43,7 @@ pub struct Scene {
     pub lights: LightTable,
     /// The method that the scene's `<integrator>` asks for; `None` when there is none.
     pub integrator: Option<Integrator>,
-    /// Things the user should know, one sentence each (for example a filter that was replaced).
+    /// Things the user should know, one sentence each (for example a material that was approximated).
     pub notices: Vec<String>,
 }
 
@@ -92,7 +92,7 @@ impl Scene {
         let sensor = fields.child(PluginClass::Sensor).ok_or_else(|| {
             SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
         })?;
-        let (film, camera) = read_sensor(sensor, &mut builder.notices)?;
+        let (film, camera) = read_sensor(sensor)?;
         let integrator =
             fields.child(PluginClass::Integrator).map(|node| read_integrator(node.as_ref())).transpose()?;
         let emitters = fields.children(PluginClass::Emitter);
@@ -119,10 +119,18 @@ impl Scene {
         self.width as usize * self.height as usize
     }
 
-    /// The camera ray through a pixel for four numbers in [0, 1): two for its place, two for the lens.
+    /// The camera ray through a pixel for four numbers in [0, 1): two for its place, two for the lens. All rays count the same:
+    /// a filter with negative lobes is replaced.
     #[inline]
     pub fn camera_ray(&self, pixel: [u32; 2], [x, y, lens_x, lens_y]: [f32; 4]) -> Ray {
-        self.camera.ray(self.film.point(pixel, [x, y]), [lens_x, lens_y])
+        self.camera.ray(self.film.smooth_point(pixel, [x, y]), [lens_x, lens_y])
+    }
+
+    /// The same with the film's own filter, and what the ray counts, which may be negative.
+    #[inline]
+    pub fn filtered_camera_ray(&self, pixel: [u32; 2], [x, y, lens_x, lens_y]: [f32; 4]) -> (Ray, f32) {
+        let (place, count) = self.film.point(pixel, [x, y]);
+        (self.camera.ray(place, [lens_x, lens_y]), count)
     }
 
     /// The first surface along `ray`, with the shading normal that its relief gives it.
@@ -306,8 +314,7 @@ fn light_table(
     textures: &mut TextureReader<'_>,
     description: &SceneDescription,
 ) -> Result<LightTable, SceneError> {
-    let (center, radius) = geometry.bounding_sphere();
-    let surroundings = Surroundings { center, radius };
+    let surroundings = Surroundings::new(geometry.bounds());
     for node in emitters {
         let light = read_emitter(node, surroundings, textures, &description.bundle)?;
         if light.is_environment() && lights.iter().any(Light::is_environment) {
@@ -353,10 +360,10 @@ fn read_emitter(
     Ok(light)
 }
 
-fn read_sensor(node: &Node, notices: &mut Vec<String>) -> Result<(Film, Camera), SceneError> {
+fn read_sensor(node: &Node) -> Result<(Film, Camera), SceneError> {
     let mut fields = Fields::new(node);
     let film = match fields.child(PluginClass::Film) {
-        Some(film) => film::read(film, notices)?,
+        Some(film) => film::read(film)?,
         None => Film::default(),
     };
     // Mitsuba's random number source: read and not used.

@@ -6,10 +6,14 @@
 //! | `box` | 1 within `radius` | `radius` (0.5) |
 //! | `tent` | 1 - x/`radius` | `radius` (1) |
 //! | `gaussian` | exp(-x²/2σ²) - exp(-8), up to 4σ | `stddev` σ (0.5) |
+//! | `mitchell` | cubic up to 2 [Mitchell & Netravali 1988, "Reconstruction filters in computer graphics", eq. 8] | `A` (⅓) and `B` (⅓), the authors' B and C |
+//! | `catmullrom` | the same with 0 and ½ | – |
+//! | `lanczos` | sinc(πx)·sinc(πx/`lobes`), up to `lobes` | `lobes` (3) |
 //!
-//! Filters with negative lobes (`mitchell`, `catmullrom`, `lanczos`) cannot be sampled so: a path would count negatively, and
-//! photon statistics count whole photons. They are replaced by `gaussian`, with a notice.
+//! The last three have negative lobes: places are sampled by the absolute weight, and each path counts ±∫|f|/∫f. The signs are
+//! noise even where a picture is even, so methods with smooth passes take `gaussian` instead: see `MethodEntry::negative_lobes`.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::math::discrete::Discrete;
@@ -26,19 +30,20 @@ pub enum Filter {
     Sampled {
         /// Half the width of all bins, pixels.
         radius: f32,
-        /// By the filter's weight.
+        /// By the filter's absolute weight.
         bins: Arc<Discrete>,
+        /// What a sample counts, by bin: 1, or ±∫|f|/∫f where the filter has negative lobes; empty for all 1.
+        counts: Arc<[f32]>,
     },
 }
 
 const BINS: usize = 512;
 /// The largest radius, pixels: beyond it a picture is nothing but blur.
 const LARGEST: f64 = 64.0;
-const SAMPLED: &[&str] = &["box", "tent", "gaussian"];
-const WITH_NEGATIVE_LOBES: &[&str] = &["mitchell", "catmullrom", "lanczos"];
+const NAMES: &[&str] = &["box", "tent", "gaussian", "mitchell", "catmullrom", "lanczos"];
 
-/// Reads a filter; a replacement is added to `notices`.
-pub(super) fn read(node: &Node, notices: &mut Vec<String>) -> Result<Filter, SceneError> {
+/// Reads a filter.
+pub(super) fn read(node: &Node) -> Result<Filter, SceneError> {
     let mut fields = Fields::new(node);
     let filter = match node.plugin.as_str() {
         "box" => match size(&mut fields, "radius", 0.5)? {
@@ -50,18 +55,18 @@ pub(super) fn read(node: &Node, notices: &mut Vec<String>) -> Result<Filter, Sce
             Filter::sampled(radius, |x| 1.0 - x / radius)
         }
         "gaussian" => Filter::gaussian(size(&mut fields, "stddev", 0.5)?),
-        name if WITH_NEGATIVE_LOBES.contains(&name) => {
-            fields.ignore(&["A", "B", "C", "lobes", "radius"]);
-            notices.push(format!(
-                "{}: filter \"{name}\" has negative lobes, which photon statistics cannot weigh; it is replaced by \"gaussian\"",
-                node.location
-            ));
-            Filter::gaussian(0.5)
+        "mitchell" => {
+            let [b, c] = [cubic_parameter(&mut fields, "A")?, cubic_parameter(&mut fields, "B")?];
+            Filter::sampled(2.0, |x| cubic(x, b, c))
+        }
+        "catmullrom" => Filter::sampled(2.0, |x| cubic(x, 0.0, 0.5)),
+        "lanczos" => {
+            let lobes = lobes(&mut fields)?;
+            Filter::sampled(lobes, |x| sinc(x) * sinc(x / lobes))
         }
         other => {
-            let known: Vec<&str> = SAMPLED.iter().chain(WITH_NEGATIVE_LOBES).copied().collect();
             let problem = format!("there is no rfilter \"{other}\"");
-            return Err(SceneError::new(&node.location, problem, nearest_name(other, &known)));
+            return Err(SceneError::new(&node.location, problem, nearest_name(other, NAMES)));
         }
     };
     fields.finish()?;
@@ -78,20 +83,65 @@ fn size(fields: &mut Fields<'_>, name: &'static str, default: f64) -> Result<f64
     }
 }
 
+/// B or C of the cubic filters; in this range they ring, blur or alias, but stay filters.
+fn cubic_parameter(fields: &mut Fields<'_>, name: &'static str) -> Result<f64, SceneError> {
+    match fields.float(name)?.unwrap_or(1.0 / 3.0) {
+        parameter if (0.0..=1.0).contains(&parameter) => Ok(parameter),
+        parameter => Err(fields.error(name, format!("\"{name}\" is {parameter}"), "give a number from 0 to 1")),
+    }
+}
+
+fn lobes(fields: &mut Fields<'_>) -> Result<f64, SceneError> {
+    match fields.integer("lobes")?.unwrap_or(3) {
+        lobes @ 1..=16 => Ok(lobes as f64),
+        lobes => Err(fields.error("lobes", format!("\"lobes\" is {lobes}"), "give a whole number from 1 to 16")),
+    }
+}
+
+/// [Mitchell & Netravali 1988, eq. 8].
+fn cubic(x: f64, b: f64, c: f64) -> f64 {
+    let value = if x < 1.0 {
+        (12.0 - 9.0 * b - 6.0 * c) * x.powi(3) + (-18.0 + 12.0 * b + 6.0 * c) * x.powi(2) + (6.0 - 2.0 * b)
+    } else {
+        (-b - 6.0 * c) * x.powi(3)
+            + (6.0 * b + 30.0 * c) * x.powi(2)
+            + (-12.0 * b - 48.0 * c) * x
+            + (8.0 * b + 24.0 * c)
+    };
+    value / 6.0
+}
+
+/// sin πx / πx.
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 { 1.0 } else { libm::sin(PI * x) / (PI * x) }
+}
+
 impl Filter {
-    fn gaussian(deviation: f64) -> Self {
+    /// `gaussian` with the standard deviation `deviation`, pixels.
+    pub(super) fn gaussian(deviation: f64) -> Self {
         let weight = |x: f64| libm::exp(-0.5 * (x / deviation) * (x / deviation)) - libm::exp(-8.0);
         Self::sampled(4.0 * deviation, weight)
     }
 
-    /// A filter with `weight` ≥ 0 at a distance up to `radius`, pixels.
+    /// A filter with `weight` at a distance up to `radius`, pixels.
     fn sampled(radius: f64, weight: impl Fn(f64) -> f64) -> Self {
         let middle = |bin: usize| radius * ((bin as f64 + 0.5) / BINS as f64 * 2.0 - 1.0);
         let weights: Vec<f64> = (0..BINS).map(|bin| weight(middle(bin).abs())).collect();
-        match Discrete::new(&weights) {
-            Some(bins) => Self::Sampled { radius: radius as f32, bins: Arc::new(bins) },
-            None => Self::Box,
-        }
+        let absolute: Vec<f64> = weights.iter().map(|weight| weight.abs()).collect();
+        let Some(bins) = Discrete::new(&absolute) else { return Self::Box };
+        let counts: Vec<f32> = match weights.iter().all(|weight| *weight >= 0.0) {
+            true => Vec::new(),
+            false => {
+                let count = bins.total() / weights.iter().sum::<f64>();
+                weights.iter().map(|weight| count.copysign(*weight) as f32).collect()
+            }
+        };
+        Self::Sampled { radius: radius as f32, bins: Arc::new(bins), counts: counts.into() }
+    }
+
+    /// Whether some paths count negatively.
+    pub fn has_negative_lobes(&self) -> bool {
+        matches!(self, Self::Sampled { counts, .. } if !counts.is_empty())
     }
 
     /// The first and last pixel, not rounded, that a place on the film, pixels, may count in.
@@ -103,29 +153,33 @@ impl Filter {
         }
     }
 
-    /// The density of [`Filter::place`] at a place from the pixel's left or upper edge, pixels⁻¹.
+    /// The filter at a place from the pixel's left or upper edge, with an integral of 1, pixels⁻¹: the density of
+    /// [`Filter::sample`] times what a sample counts.
     #[inline]
     pub fn weight(&self, place: f32) -> f32 {
         match self {
             Self::Box => f32::from(u8::from((0.0..1.0).contains(&place))),
-            Self::Sampled { radius, bins } => {
+            Self::Sampled { radius, bins, counts } => {
                 let bin = ((place - 0.5) / radius + 1.0) * (0.5 * BINS as f32);
                 if !(0.0..BINS as f32).contains(&bin) {
                     return 0.0;
                 }
-                bins.probability(bin as usize) * (0.5 * BINS as f32) / radius
+                let count = counts.get(bin as usize).copied().unwrap_or(1.0);
+                bins.probability(bin as usize) * count * (0.5 * BINS as f32) / radius
             }
         }
     }
 
-    /// A place from the pixel's left or upper edge, pixels: by the filter's weight, for `u` uniform in [0, 1).
+    /// A place from the pixel's left or upper edge, pixels, by the filter's absolute weight, for `u` uniform in [0, 1); and
+    /// what a path through it counts.
     #[inline]
-    pub fn place(&self, u: f32) -> f32 {
+    pub fn sample(&self, u: f32) -> (f32, f32) {
         match self {
-            Self::Box => u,
-            Self::Sampled { radius, bins } => {
+            Self::Box => (u, 1.0),
+            Self::Sampled { radius, bins, counts } => {
                 let (bin, rest) = bins.pick(u);
-                0.5 + radius * ((bin as f32 + rest) * (2.0 / BINS as f32) - 1.0)
+                let place = 0.5 + radius * ((bin as f32 + rest) * (2.0 / BINS as f32) - 1.0);
+                (place, counts.get(bin).copied().unwrap_or(1.0))
             }
         }
     }

@@ -42,6 +42,9 @@ const INCLUDE_DEPTH_LIMIT: usize = 32;
 const TEXT_LIMIT: usize = 256 << 20;
 /// How many entities may be followed, counted anew in every copy of an array and every include.
 const ENTITY_LIMIT: u64 = 10_000_000;
+/// How many copies all arrays may make, counted anew in every copy of an array round them. They are written out, so this many
+/// are refused before any is made.
+const COPY_LIMIT: u64 = 100_000;
 /// How deep transforms may nest.
 const TRANSFORM_LIMIT: usize = 64;
 
@@ -111,6 +114,7 @@ struct Reader<'a> {
     vertices: Contexts<Vertex>,
     stage: Stage,
     followed: u64,
+    copies: u64,
     /// Unknown entities: where the first stands, and how many there are.
     unknown: BTreeMap<String, (Location, u64)>,
 }
@@ -130,6 +134,7 @@ impl<'a> Reader<'a> {
             vertices: Contexts::new("vertex", Vertex { position: DVec3::ZERO, normal: DVec3::ZERO }),
             stage: Stage::new(),
             followed: 0,
+            copies: 0,
             unknown: BTreeMap::new(),
         }
     }
@@ -269,6 +274,11 @@ impl<'a> Reader<'a> {
             return Err(entity.error(problem, "end them with \"xf\""));
         }
         let placement = Placement::read(entity, first)?;
+        self.copies = self.copies.saturating_add(placement.copies() - 1);
+        if self.copies > COPY_LIMIT {
+            let problem = format!("the arrays make more than {COPY_LIMIT} copies");
+            return Err(entity.error(problem, "make smaller arrays"));
+        }
         let placed = self.inside(&placement, entity)?;
         self.frames.push(Frame { placement, placed, body, location: entity.location() });
         Ok(())

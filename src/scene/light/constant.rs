@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 
 use super::{DirectSample, EmittedPhoton, Surroundings};
-use crate::math::{Frame, Rgb, Vec3, warp};
+use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
@@ -31,19 +31,19 @@ impl Constant {
         self.radiance
     }
 
-    /// What its photons start from.
-    pub fn surroundings(&self) -> &Surroundings {
-        &self.surroundings
-    }
-
     /// The density of [`Constant::sample_direct`] by solid angle.
     pub fn direct_pdf(&self) -> f32 {
         warp::SPHERE_PDF
     }
 
-    /// π·L·4πR²: what enters the scene's bounding sphere.
+    /// See [`DirectSample::emission_ratio`]; photons have the density 1/(π·surface) of the box around the scene, m⁻².
+    pub fn emission_ratio(&self) -> f32 {
+        1.0 / (PI * self.surroundings.surface() * warp::SPHERE_PDF)
+    }
+
+    /// π·L times the surface of the box around the scene: what enters it.
     pub fn power(&self) -> Rgb {
-        self.radiance * (4.0 * PI * PI * self.surroundings.radius * self.surroundings.radius)
+        self.radiance * (PI * self.surroundings.surface())
     }
 
     /// A direction uniform over the sphere.
@@ -54,15 +54,13 @@ impl Constant {
             distance: f32::INFINITY,
             weighted_radiance: self.radiance / warp::SPHERE_PDF,
             pdf_solid_angle: warp::SPHERE_PDF,
-            emission_ratio: 1.0 / self.surroundings.disc_area(),
+            emission_ratio: self.emission_ratio(),
         })
     }
 
-    /// A direction uniform over the sphere and a point uniform on the disc across it.
+    /// From a point uniform on the box around the scene, in a direction by its cosine there.
     #[inline]
     pub fn emit(&self, _geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let axis = Frame::from_normal(warp::sphere(direction));
-        let origin = self.surroundings.disc_point(&axis, place);
-        Some(self.surroundings.photon(origin, axis.normal, self.power(), warp::SPHERE_PDF))
+        Some(self.surroundings.uniform_photon(place, direction, self.power()))
     }
 }

@@ -5,12 +5,10 @@
 //! | `irradiance` | irradiance on a surface that faces the light | W·m⁻² | 1 |
 //! | `direction` | where the light travels; or the +z axis of `to_world` | – | +z |
 
-use std::f32::consts::PI;
-
 use glam::DVec3;
 
 use super::{DirectSample, EmittedPhoton, Surroundings};
-use crate::math::{Frame, Rgb, Vec3, warp};
+use crate::math::{Rgb, Vec3};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
@@ -19,7 +17,8 @@ use crate::scene::geometry::transform::ToWorld;
 /// A distant light.
 #[derive(Clone, Debug)]
 pub struct Directional {
-    axis: Frame,
+    /// Where the light travels, a unit vector.
+    direction: Vec3,
     irradiance: Rgb,
     surroundings: Surroundings,
 }
@@ -40,39 +39,29 @@ impl Directional {
         };
         let rgb = fields.rgb("irradiance")?.unwrap_or([1.0; 3]);
         let irradiance = Rgb::new(rgb[0] as f32, rgb[1] as f32, rgb[2] as f32);
-        Ok(Self { axis: Frame::from_normal(direction.as_vec3()), irradiance, surroundings })
+        Ok(Self { direction: direction.as_vec3(), irradiance, surroundings })
     }
 
-    /// E·πR²: what falls on the disc of the scene's bounding sphere.
+    /// What falls on the box around the scene.
     pub fn power(&self) -> Rgb {
-        self.irradiance * (PI * self.surroundings.radius * self.surroundings.radius)
+        self.irradiance * self.surroundings.silhouette(self.direction)
     }
 
     /// E from one direction.
     #[inline]
     pub fn sample_direct(&self, _geometry: &Geometry, _point: Vec3, _u: [f32; 2]) -> Option<DirectSample> {
         Some(DirectSample {
-            direction: -self.axis.normal,
+            direction: -self.direction,
             distance: f32::INFINITY,
             weighted_radiance: self.irradiance,
             pdf_solid_angle: 0.0,
-            emission_ratio: 1.0 / self.surroundings.disc_area(),
+            emission_ratio: 1.0 / self.surroundings.silhouette(self.direction),
         })
     }
 
-    /// From a point uniform on the disc.
+    /// From a place uniform over the silhouette of the box around the scene.
     #[inline]
     pub fn emit(&self, _geometry: &Geometry, place: [f32; 2], _direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let origin = self.surroundings.disc_point(&self.axis, place);
-        Some(self.surroundings.photon(origin, self.axis.normal, self.power(), 1.0))
-    }
-}
-
-impl Surroundings {
-    /// A point uniform on the disc that faces the scene from behind, for light that travels along `axis`' normal.
-    #[inline]
-    pub fn disc_point(&self, axis: &Frame, u: [f32; 2]) -> Vec3 {
-        let point = warp::disc(u) * self.radius;
-        self.center + axis.tangent * point.x + axis.bitangent * point.y - axis.normal * self.radius
+        Some(self.surroundings.photon(self.direction, place, self.irradiance, 1.0))
     }
 }

@@ -17,9 +17,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::{DirectSample, EmittedPhoton, Surroundings};
+use crate::math::discrete::ONE_MINUS_EPSILON;
 use crate::math::grid_distribution::GridDistribution;
 use crate::math::trigonometry::sin_cos_turn;
-use crate::math::{Frame, Rgb, color};
+use crate::math::{Rgb, color};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
@@ -36,8 +37,8 @@ pub struct EnvironmentMap {
     bands: Vec<Band>,
     /// By luminance and solid angle; `None` when the map is black.
     cells: Option<GridDistribution>,
-    /// ∫ L dω, W·m⁻².
-    fluence: Rgb,
+    /// What enters the box around the scene, W.
+    power: Rgb,
     surroundings: Surroundings,
 }
 
@@ -113,19 +114,30 @@ impl EnvironmentMap {
     fn new(raster: Arc<Raster>, scale: f32, axes: [Vec3; 3], surroundings: Surroundings) -> Self {
         let (width, height) = (raster.width(), raster.height());
         let bands: Vec<Band> = (0..height - 1).map(|row| Band::new(row, width, height)).collect();
-        let mut fluence = DVec3::ZERO;
         let mut weights = Vec::with_capacity(width * bands.len());
         for (row, band) in bands.iter().enumerate() {
             for column in 0..width {
                 let pair = |row| (raster.texel(column, row) + raster.texel((column + 1) % width, row)).as_dvec3() * 0.5;
                 let arriving = pair(row) * band.shares[0] + pair(row + 1) * band.shares[1];
-                fluence += arriving;
                 weights.push(f64::from(color::luminance(arriving.as_vec3())));
             }
         }
-        let fluence = fluence.as_vec3() * scale;
         let cells = (scale > 0.0).then(|| GridDistribution::new(&weights, width)).flatten();
-        Self { raster, scale, axes, bands, cells, fluence, surroundings }
+        let power = Rgb::ZERO;
+        let mut map = Self { raster, scale, axes, bands, cells, power, surroundings };
+        map.power = map.mean_flux();
+        map
+    }
+
+    /// The mean flux of photons over an even set of random numbers (Hammersley's): ∫ L·silhouette dω.
+    fn mean_flux(&self) -> Rgb {
+        const PHOTONS: u32 = 1 << 13;
+        let flux = |photon: u32| {
+            let u = [(photon as f32 + 0.5) / PHOTONS as f32, photon.reverse_bits() as f32 / (1u64 << 32) as f32];
+            let sample = self.sample(u.map(|u| u.min(ONE_MINUS_EPSILON)))?;
+            Some((sample.weighted_radiance * self.surroundings.silhouette(sample.direction)).as_dvec3())
+        };
+        (0..PHOTONS).filter_map(flux).sum::<DVec3>().as_vec3() / PHOTONS as f32
     }
 
     fn place(&self, direction: Vec3) -> Place {
@@ -153,19 +165,25 @@ impl EnvironmentMap {
         (self.radiance_at(&place), probability / self.bands[place.row].cell)
     }
 
-    /// What its photons start from.
-    pub fn surroundings(&self) -> &Surroundings {
-        &self.surroundings
+    /// See [`DirectSample::emission_ratio`], m⁻².
+    #[inline]
+    pub fn emission_ratio(&self, direction: Vec3) -> f32 {
+        1.0 / self.surroundings.silhouette(direction)
     }
 
-    /// πR²·∫ L dω: what enters the scene's bounding sphere.
+    /// What enters the box around the scene.
     pub fn power(&self) -> Rgb {
-        self.fluence * self.surroundings.disc_area()
+        self.power
     }
 
     /// A direction by the light that comes from it.
     #[inline]
     pub fn sample_direct(&self, _geometry: &Geometry, _point: Vec3, u: [f32; 2]) -> Option<DirectSample> {
+        self.sample(u)
+    }
+
+    #[inline]
+    fn sample(&self, u: [f32; 2]) -> Option<DirectSample> {
         let cells = self.cells.as_ref()?;
         let ([row, column], [down, along]) = cells.pick(u);
         let band = &self.bands[row];
@@ -179,17 +197,14 @@ impl EnvironmentMap {
         let place = Place { row, column, down: (polar - row as f32).clamp(0.0, 1.0), along };
         let pdf_solid_angle = cells.probability(row, column) / band.cell;
         let weighted_radiance = self.radiance_at(&place) / pdf_solid_angle;
-        let emission_ratio = 1.0 / self.surroundings.disc_area();
+        let emission_ratio = self.emission_ratio(direction);
         Some(DirectSample { direction, distance: f32::INFINITY, weighted_radiance, pdf_solid_angle, emission_ratio })
     }
 
-    /// A direction by the light that comes from it, and a point uniform on the disc across it.
+    /// A direction by the light that comes from it, and a place uniform over the silhouette of the box around the scene.
     #[inline]
-    pub fn emit(&self, geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let sample = self.sample_direct(geometry, Vec3::ZERO, direction)?;
-        let axis = Frame::from_normal(-sample.direction);
-        let origin = self.surroundings.disc_point(&axis, place);
-        let flux = sample.weighted_radiance * self.surroundings.disc_area();
-        Some(self.surroundings.photon(origin, axis.normal, flux, sample.pdf_solid_angle))
+    pub fn emit(&self, _geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
+        let sample = self.sample(direction)?;
+        Some(self.surroundings.photon(-sample.direction, place, sample.weighted_radiance, sample.pdf_solid_angle))
     }
 }

@@ -10,6 +10,7 @@ pub mod environment_map;
 pub mod ies;
 pub mod point;
 pub mod spot;
+pub mod surroundings;
 pub mod table;
 
 use crate::math::{Rgb, Vec3};
@@ -22,6 +23,7 @@ pub use environment_map::EnvironmentMap;
 pub use ies::Ies;
 pub use point::Point;
 pub use spot::Spot;
+pub use surroundings::Surroundings;
 pub use table::LightTable;
 
 /// Light that may arrive at a point, before anything in between is looked at.
@@ -70,10 +72,11 @@ pub enum Origin {
     },
     /// A light without extent.
     Point,
-    /// A disc outside of the scene, across the photon's direction.
+    /// A place outside of the scene.
     Distant {
-        /// Its area, m².
-        disc_area: f32,
+        /// The density by solid angle of sampling the light, over that of the photon by area across it and solid angle, m²;
+        /// for light of one direction without the solid angle.
+        sampling_ratio: f32,
     },
 }
 
@@ -108,15 +111,6 @@ impl SeenPoint {
         let cosine = hit.geometric_normal.dot(hit.outgoing);
         Self { primitive: hit.primitive, position: hit.position, cosine }
     }
-}
-
-/// Centre and radius of the sphere around the scene; distant lights emit from its disc.
-#[derive(Clone, Copy, Debug)]
-pub struct Surroundings {
-    /// Centre, m.
-    pub center: Vec3,
-    /// Radius, m.
-    pub radius: f32,
 }
 
 macro_rules! lights {
@@ -157,26 +151,6 @@ impl EmittedPhoton {
     }
 }
 
-impl Surroundings {
-    /// Area of the disc that distant lights emit from, m².
-    pub fn disc_area(&self) -> f32 {
-        std::f32::consts::PI * self.radius * self.radius
-    }
-
-    /// A photon from that disc.
-    fn photon(&self, origin: Vec3, direction: Vec3, flux: Rgb, pdf_direction: f32) -> EmittedPhoton {
-        let disc_area = self.disc_area();
-        EmittedPhoton {
-            origin,
-            direction,
-            flux,
-            pdf: pdf_direction / disc_area,
-            origin_kind: Origin::Distant { disc_area },
-            light: 0,
-        }
-    }
-}
-
 impl Light {
     /// Radiance that leaves a hit of this light's surface back along the path.
     #[inline]
@@ -205,11 +179,13 @@ impl Light {
         }
     }
 
-    /// One over the area of the disc that its photons start from, m⁻²; 0 for lights that are inside.
-    pub fn environment_emission_ratio(&self) -> f32 {
+    /// Over the density of [`Light::environment`]: that of a photon which comes from `direction` through a given point across
+    /// it, m⁻²; 0 for lights that are inside.
+    #[inline]
+    pub fn environment_emission_ratio(&self, direction: Vec3) -> f32 {
         match self {
-            Self::Constant(light) => 1.0 / light.surroundings().disc_area(),
-            Self::EnvironmentMap(light) => 1.0 / light.surroundings().disc_area(),
+            Self::Constant(light) => light.emission_ratio(),
+            Self::EnvironmentMap(light) => light.emission_ratio(direction),
             _ => 0.0,
         }
     }

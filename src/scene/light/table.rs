@@ -118,18 +118,19 @@ impl LightTable {
                 FirstSegment { light_sampling, light_hit: 0.0, light_cosine: 1.0 }
             }
             // The pick and the direction are in both densities.
-            Origin::Distant { disc_area } => FirstSegment {
-                light_sampling: disc_area,
+            Origin::Distant { sampling_ratio } => FirstSegment {
+                light_sampling: sampling_ratio,
                 light_hit: if light.is_environment() { 1.0 / photon.pdf } else { 0.0 },
                 light_cosine: 1.0,
             },
         }
     }
 
-    /// Over the density of [`LightTable::environment`]: that of a photon which comes from there through a given point across it.
+    /// Over the density of [`LightTable::environment`]: that of a photon which comes from `direction` through a given point
+    /// across it, m⁻².
     #[inline]
-    pub fn environment_emission_ratio(&self) -> f32 {
-        self.environment.map_or(0.0, |index| self.lights[index].environment_emission_ratio())
+    pub fn environment_emission_ratio(&self, direction: Vec3) -> f32 {
+        self.environment.map_or(0.0, |index| self.lights[index].environment_emission_ratio(direction))
     }
 
     /// Radiance that arrives from `direction` outside of the scene, and the density by solid angle of sampling it.

@@ -55,8 +55,9 @@ impl CameraWalk<'_> {
     ) -> Rgb {
         let scene = self.scene;
         let random = self.random(pixel);
-        let mut ray = scene.camera_ray([pixel % scene.width, pixel / scene.width], random.block(dimension::CAMERA));
-        let (mut throughput, mut index_squared, mut radiance) = (Rgb::ONE, 1.0, Rgb::ZERO);
+        let place = [pixel % scene.width, pixel / scene.width];
+        let (mut ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
+        let (mut throughput, mut index_squared, mut radiance) = (Rgb::splat(count), 1.0, Rgb::ZERO);
         let mut last = Last { pdf: 0.0, sums: Sums::default() };
         for segments in 1u32.. {
             if !self.limits.allows(segments) {
@@ -80,7 +81,8 @@ impl CameraWalk<'_> {
             throughput *= scattering.weight;
             index_squared *= sample.relative_index * sample.relative_index;
             // Refraction scales radiance, which is no loss.
-            let survival = self.limits.survival(segments, throughput.max_element() * index_squared);
+            let kept = throughput.abs().max_element() / count.abs() * index_squared;
+            let survival = self.limits.survival(segments, kept);
             if u[3] >= survival {
                 break;
             }
@@ -141,7 +143,7 @@ impl CameraWalk<'_> {
         }
         let (sums, emitted) = match hit {
             Some(hit) => (self.arrive(hit, segments, last), lights.emission_pdf(&self.scene.geometry, hit)),
-            None => (last.sums, sampled * lights.environment_emission_ratio()),
+            None => (last.sums, sampled * lights.environment_emission_ratio(ray.direction)),
         };
         Some((radiance, self.weighting.hit(&sums, last.pdf, sampled, emitted, acceptance)))
     }

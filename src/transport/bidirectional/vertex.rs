@@ -12,7 +12,8 @@ use crate::transport::shading;
 pub struct Vertex {
     /// Where.
     pub hit: Interaction,
-    /// What arrives: un-normalised flux of a light subpath, W; throughput of a camera subpath.
+    /// What arrives: un-normalised flux of a light subpath, W; throughput of a camera subpath, times what its place on the film
+    /// counts, which may be negative.
     pub throughput: Rgb,
     /// Its part of the weights.
     pub sums: Sums,

@@ -10,9 +10,6 @@ use super::super::values::shown;
 use super::text::Entity;
 use crate::scene::error::SceneError;
 
-/// The most copies that one transform may make.
-const COPY_LIMIT: u64 = 10_000_000;
-
 /// The arguments of one transform.
 pub(super) struct Placement {
     steps: Vec<Step>,
@@ -58,11 +55,12 @@ impl Placement {
             };
             at += 1 + arguments;
         }
-        if counts.iter().fold(1_u64, |copies, count| copies.saturating_mul(u64::from(*count))) > COPY_LIMIT {
-            let problem = format!("the arrays make more than {COPY_LIMIT} copies");
-            return Err(entity.error(problem, "make smaller arrays"));
-        }
         Ok(Self { steps, indices: vec![0; counts.len()], counts })
+    }
+
+    /// How many copies it makes; 1 without an array.
+    pub(super) fn copies(&self) -> u64 {
+        self.counts.iter().fold(1, |copies, count| copies.saturating_mul(u64::from(*count)))
     }
 
     /// The matrix of the copy that is being made.

@@ -111,10 +111,24 @@ impl Options {
                 }
                 plugin("gaussian", place).with_float("stddev", stddev)
             }
-            "mitchell" => plugin("mitchell", place),
-            _ => plugin("lanczos", place),
+            "mitchell" => {
+                if radius != 2.0 {
+                    output.approximated(place, format!("a mitchell filter of radius {radius}"), "its radius is 2");
+                }
+                let [b, c] = ["B", "C"].map(|name| parameters.float(name));
+                let third = 1.0 / 3.0;
+                plugin("mitchell", place).with_float("A", b?.unwrap_or(third)).with_float("B", c?.unwrap_or(third))
+            }
+            _ => {
+                let tau = parameters.float("tau")?.unwrap_or(3.0);
+                let lobes = tau.round();
+                if tau != lobes || radius != lobes {
+                    let subject = format!("a sinc filter of radius {radius} and tau {tau}");
+                    output.approximated(place, subject, format!("a lanczos filter of {lobes} lobes takes its place"));
+                }
+                with_integer(plugin("lanczos", place), "lobes", lobes as i64)
+            }
         };
-        parameters.pass_over(&["B", "C", "tau"]);
         output.report_unused(&format!("pixel filter {}", shown(name)), parameters)?;
         Ok(filter)
     }
