@@ -36,7 +36,8 @@ fn text(path: &Path) -> &str {
 
 const SCENE: &str = "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film type='hdrfilm'>\
     <integer name='width' value='16'/><integer name='height' value='12'/><rfilter type='box'/></film></sensor>\
-    <shape type='sphere'><point name='center' x='0' y='0' z='4'/></shape><emitter type='constant'/></scene>";
+    <shape type='sphere'><point name='center' x='0' y='0' z='4'/><bsdf type='diffuse'>\
+    <rgb name='reflectance' value='1'/></bsdf></shape><emitter type='constant'/></scene>";
 
 /// A reference: a sphere in a white furnace, said to be `radiance` everywhere.
 fn reference(folder: &Path, [width, height]: [u32; 2], radiance: f32) -> PathBuf {
@@ -99,7 +100,7 @@ fn what_cannot_be_evaluated_is_told_before_rendering() {
     let evaluate = |scene: &Path, more: &[&str], code| {
         failure(&[&["evaluate", text(scene), "-o", text(&results)], more].concat(), code)
     };
-    assert!(evaluate(&scene, &["--methods", "path,spm"], 3).contains("sppm"), "the nearest name");
+    assert!(evaluate(&scene, &["--methods", "path,spm"], 3).contains("no method \"spm\""));
     assert!(evaluate(&scene, &["--methods", "sppm:alpha=2"], 3).contains("alpha"));
     assert!(evaluate(&scene, &["--methods", "sppm:alpha"], 3).contains("a name, =, and a value"));
     assert!(evaluate(&scene, &["--seconds", "1,0"], 3).contains("above 0"));

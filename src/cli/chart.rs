@@ -7,7 +7,7 @@ use clap::Args;
 use super::evaluate::measure;
 use super::exit_code::CliError;
 use crate::estimate::picture_files::{check_writable, write_file};
-use crate::evaluation::chart::{ChartData, ChartKind, report, to_png, to_svg};
+use crate::evaluation::chart::{ChartData, ChartKind, ReportError, report, to_png, to_svg};
 use crate::evaluation::{Measure, read_peers, read_results};
 
 /// Draw results of `evaluate` (docs/EVALUATION.md).
@@ -61,7 +61,7 @@ impl Chart {
             let bytes = match format {
                 Format::Html => {
                     let folder = self.results.parent().unwrap_or(Path::new(""));
-                    report(&data, &records, folder).map_err(CliError::failed)?.into_bytes()
+                    report(&data, &records, folder)?.into_bytes()
                 }
                 Format::Svg => to_svg(&data.draw(self.kind)).map_err(CliError::failed)?.into_bytes(),
                 Format::Png => to_png(&data.draw(self.kind)).map_err(CliError::failed)?,
@@ -69,6 +69,15 @@ impl Chart {
             write_file(path, &bytes)?;
         }
         Ok(())
+    }
+}
+
+impl From<ReportError> for CliError {
+    fn from(error: ReportError) -> Self {
+        match error {
+            ReportError::Picture { .. } => Self::File(error.to_string()),
+            ReportError::Canvas(error) => Self::failed(error),
+        }
     }
 }
 

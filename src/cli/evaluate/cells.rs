@@ -20,6 +20,8 @@ use crate::method::{self, CheckedMethod, MethodChoice, SceneTraits, table};
 const LINE_INTERVAL: Duration = Duration::from_secs(30);
 /// Steps of the bar for a second.
 const STEPS_PER_SECOND: f64 = 100.0;
+/// Processor-seconds between looks of the bar: it must not cost what it measures.
+const BAR_INTERVAL: f64 = 0.1;
 
 /// What to measure. All of it was checked.
 pub(super) struct Plan {
@@ -199,6 +201,7 @@ struct EvaluationProgress {
     bar: ProgressBar,
     total: f64,
     finished: f64,
+    shown: f64,
     last_line: Option<Instant>,
 }
 
@@ -210,11 +213,15 @@ impl EvaluationProgress {
             ProgressStyle::with_template("[{bar:30}] {wide_msg} {eta}").map(|style| style.progress_chars("=> "));
         let bar = ProgressBar::new((total * STEPS_PER_SECOND) as u64)
             .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self { bar, total, finished: 0.0, last_line: None }
+        Self { bar, total, finished: 0.0, shown: 0.0, last_line: None }
     }
 
     fn show(&mut self, cell: &Cell<'_>, seconds: f64) {
         let position = self.finished + seconds;
+        if position < self.shown + BAR_INTERVAL {
+            return;
+        }
+        self.shown = position;
         let RunKey { scene, label, seed, .. } = &cell.run;
         let text = format!("{scene} by {label}, seed {seed}: {seconds:.0} s");
         self.bar.set_position((position * STEPS_PER_SECOND) as u64);

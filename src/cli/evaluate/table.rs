@@ -17,8 +17,8 @@ fn row(curve: &Curve) -> Option<String> {
     let Spread { median, low, high, count } = last.error;
     let slope = curve
         .slope
-        .map_or("–".to_owned(), |slope| format!("{:+.2} ({:+.2} to {:+.2})", slope.median, slope.low, slope.high));
-    let theory = curve.theory_rate.map_or("–".to_owned(), |rate| format!("{rate:+.2}"));
+        .map_or("–".to_owned(), |slope| format!("{:.2} ({:.2} to {:.2})", slope.median, slope.low, slope.high));
+    let theory = curve.theory_rate.map_or("–".to_owned(), |rate| format!("{rate:.2}"));
     let blind = if curve.blind.is_some() { "blind" } else { "" };
     Some(format!(
         "| {} | {} | {:.1} | {median:.3e} ({low:.2e} to {high:.2e}) | {count} | {slope} | {theory} | {blind} |",

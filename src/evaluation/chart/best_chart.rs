@@ -22,7 +22,7 @@ pub(super) fn draw(data: &ChartData) -> Drawing {
     let title = format!("{} as a multiple of the best method's", data.measure.title());
     drawing.text([EDGE, 20.0], title, 18.0, INK, Anchor::Start);
     let note =
-        "After the same processor time, which stands at the right of the scene. ° blind to some light; – no result.";
+        "After the same processor time, which stands below the scene's name. ° blind to some light; – no result.";
     drawing.text([EDGE, 42.0], note, TEXT, FAINT_INK, Anchor::Start);
     for (column, (label, _)) in data.styles.iter().enumerate() {
         let middle = left + (column as f64 + 0.5) * CELL[0];

@@ -1,6 +1,5 @@
 //! One HTML file with all charts, a table, and the pictures side by side. It needs nothing else, neither files nor network.
 
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use base64::Engine;
@@ -118,8 +117,8 @@ fn row(curve: &Curve, records: &[Record]) -> [String; 13] {
         median(&|record| Some(record.metrics.block_bias_max), &|value| format!("{:.1} %", 100.0 * value)),
         median(&|record| record.metrics.ssim, &|value| format!("{value:.4}")),
         median(&|record| Some(record.metrics.flip), &|value| format!("{value:.4}")),
-        curve.slope.map_or("–".to_owned(), |slope| format!("{:+.2}", slope.median)),
-        curve.theory_rate.map_or("–".to_owned(), |rate| format!("{rate:+.2}")),
+        curve.slope.map_or("–".to_owned(), |slope| format!("{:.2}", slope.median)),
+        curve.theory_rate.map_or("–".to_owned(), |rate| format!("{rate:.2}")),
     ]
 }
 
@@ -138,8 +137,6 @@ fn pictures(records: &[Record], folder: &Path) -> Result<String, ReportError> {
             json.push(entry.to_string());
         }
     }
-    let mut text = String::new();
     // Inside a script element only "</" could end it; JSON may write it so.
-    let _ = write!(text, "[{}]", json.join(",\n").replace("</", "<\\/"));
-    Ok(text)
+    Ok(format!("[{}]", json.join(",\n").replace("</", "<\\/")))
 }

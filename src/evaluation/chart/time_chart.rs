@@ -1,63 +1,43 @@
-//! Processor time until an error is reached: one row a scene, one line in it for each method.
+//! Processor time until an error is reached: one block a scene, one bar in it for each method.
 
 use super::ChartData;
-use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK};
+use super::canvas::text_width;
+use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK, WHITE};
 use super::scale::{LogScale, number};
 use crate::evaluation::curves::{Curve, Reached};
 
 const WIDTH: f64 = 1000.0;
+const EDGE: f64 = 14.0;
 const LEFT: f64 = 170.0;
-const RIGHT: f64 = 880.0;
-/// Where the points of those lie that do not reach the error.
-const NEVER: f64 = 926.0;
+const RIGHT: f64 = 800.0;
 const TOP: f64 = 84.0;
 const LINE: f64 = 15.0;
+/// Space above and below a scene's lines.
+const PADDING: f64 = 7.0;
 const TEXT: f64 = 12.0;
 const SMALL: f64 = 11.0;
 
 pub(super) fn draw(data: &ChartData) -> Drawing {
-    let lines = |scene: &String| data.of_scene(scene).count() as f64 * LINE + 12.0;
-    let height: f64 = data.scenes.iter().map(lines).sum();
+    let blocks: Vec<Block> = data.scenes.iter().map(|scene| Block::new(data, scene)).collect();
+    let height: f64 = blocks.iter().map(Block::height).sum();
     let mut drawing = Drawing::new(WIDTH, TOP + height + 46.0);
     let title = format!("Processor time until {} is {}", data.measure.title(), number(data.target));
-    drawing.text([14.0, 20.0], title, 18.0, INK, Anchor::Start);
-    let note = "Interpolated between time budgets. The bar ends where the error is reached; an arrow: before the first budget already. \
-                Right: not within the time given.";
-    drawing.text([14.0, 42.0], note, TEXT, FAINT_INK, Anchor::Start);
-    let x = scale(data);
+    drawing.text([EDGE, 20.0], title, 18.0, INK, Anchor::Start);
+    let note = "Interpolated between time budgets, medians over seeds. An arrow: before the first budget already. \
+                Hollow: blind to some light.";
+    drawing.text([EDGE, 42.0], note, TEXT, FAINT_INK, Anchor::Start);
+    let seconds = data.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.cpu_seconds));
+    let x = LogScale::covering(seconds, [LEFT, RIGHT]);
     axis(&mut drawing, &x, TOP + height);
     let mut top = TOP;
-    for (index, scene) in data.scenes.iter().enumerate() {
-        let bottom = top + lines(scene);
-        if index > 0 {
-            drawing.line(vec![[14.0, top], [WIDTH - 14.0, top]], FAINT_INK, 0.75);
+    for block in &blocks {
+        if top > TOP {
+            drawing.line(vec![[EDGE, top], [WIDTH - EDGE, top]], FAINT_INK, 0.5);
         }
-        drawing.text([14.0, top + 6.0 + LINE / 2.0], scene.as_str(), 13.0, INK, Anchor::Start);
-        for (line, curve) in in_order(data, scene).into_iter().enumerate() {
-            bar(data, &mut drawing, curve, &x, top + 6.0 + (line as f64 + 0.5) * LINE);
-        }
-        top = bottom;
+        block.draw(&mut drawing, &x, top);
+        top += block.height();
     }
     drawing
-}
-
-fn scale(data: &ChartData) -> LogScale {
-    let times = data.curves.iter().flat_map(|curve| {
-        let budgets = curve.points.iter().map(|point| point.cpu_seconds);
-        budgets.collect::<Vec<_>>()
-    });
-    LogScale::covering(times, [LEFT, RIGHT])
-}
-
-/// Fastest first; those that do not reach the error at the end.
-fn in_order<'a>(data: &'a ChartData, scene: &'a str) -> Vec<&'a Curve> {
-    let seconds = |curve: &Curve| match curve.reaches(data.target) {
-        Some(Reached::Before(seconds) | Reached::At(seconds)) => seconds,
-        Some(Reached::NotBy(_)) | None => f64::INFINITY,
-    };
-    let mut curves: Vec<&Curve> = data.of_scene(scene).collect();
-    curves.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
-    curves
 }
 
 fn axis(drawing: &mut Drawing, x: &LogScale, bottom: f64) {
@@ -69,30 +49,105 @@ fn axis(drawing: &mut Drawing, x: &LogScale, bottom: f64) {
         }
     }
     drawing.text([RIGHT, bottom + 30.0], "processor-seconds", SMALL, FAINT_INK, Anchor::End);
-    drawing.text([NEVER, TOP - 10.0], "not reached", SMALL, FAINT_INK, Anchor::Middle);
 }
 
-fn bar(data: &ChartData, drawing: &mut Drawing, curve: &Curve, x: &LogScale, y: f64) {
-    let style = data.style(&curve.label);
-    let hollow = curve.blind.is_some();
-    let (place, text) = match curve.reaches(data.target) {
-        Some(Reached::At(seconds)) => (x.place(seconds), format!("{} {}", curve.label, number(seconds))),
-        Some(Reached::Before(seconds)) => (x.place(seconds), format!("{} < {}", curve.label, number(seconds))),
-        Some(Reached::NotBy(_)) | None => {
-            style.point(drawing, [NEVER, y], hollow);
-            drawing.text([NEVER - 12.0, y], curve.label.as_str(), SMALL, INK, Anchor::End);
-            return;
+/// A scene: those that reach the error, fastest first, and the others in lines below.
+struct Block<'a> {
+    data: &'a ChartData,
+    scene: &'a str,
+    reached: Vec<(&'a Curve, f64, bool)>,
+    others: Vec<Vec<&'a Curve>>,
+}
+
+impl<'a> Block<'a> {
+    fn new(data: &'a ChartData, scene: &'a str) -> Self {
+        let (mut reached, mut others) = (Vec::new(), Vec::new());
+        for curve in data.of_scene(scene) {
+            match curve.reaches(data.target) {
+                Some(Reached::Before(seconds)) => reached.push((curve, seconds, true)),
+                Some(Reached::At(seconds)) => reached.push((curve, seconds, false)),
+                Some(Reached::NotBy(_)) | None => others.push(curve),
+            }
         }
-    };
-    style.line(drawing, vec![[LEFT, y], [place, y]]);
-    if let Some(Reached::Before(_)) = curve.reaches(data.target) {
-        drawing.area(vec![[LEFT - 7.0, y], [LEFT, y - 4.0], [LEFT, y + 4.0]], style.color, 1.0);
+        reached.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Self { data, scene, reached, others: wrapped(others) }
     }
-    style.point(drawing, [place, y], hollow);
-    // Near the right end there is room on the left only.
-    if place < RIGHT - 190.0 {
-        drawing.text([place + 9.0, y], text, SMALL, INK, Anchor::Start);
-    } else {
-        drawing.text([LEFT - 10.0, y], text, SMALL, INK, Anchor::End);
+
+    fn height(&self) -> f64 {
+        (self.reached.len() + self.others.len()).max(1) as f64 * LINE + 2.0 * PADDING
     }
+
+    fn draw(&self, drawing: &mut Drawing, x: &LogScale, top: f64) {
+        let middle = |line: usize| top + PADDING + (line as f64 + 0.5) * LINE;
+        drawing.text([EDGE, middle(0)], self.scene, 13.0, INK, Anchor::Start);
+        for (line, (curve, seconds, before)) in self.reached.iter().enumerate() {
+            self.bar(drawing, curve, x.place(*seconds), middle(line));
+            let sign = if *before { "< " } else { "" };
+            let text = format!("{} {sign}{}", curve.label, number(*seconds));
+            label(drawing, &text, x.place(*seconds), middle(line));
+            if *before {
+                let (y, color) = (middle(line), self.data.style(&curve.label).color);
+                drawing.area(vec![[LEFT - 7.0, y], [LEFT, y - 4.0], [LEFT, y + 4.0]], color, 1.0);
+            }
+        }
+        for (index, line) in self.others.iter().enumerate() {
+            self.other_line(drawing, line, middle(self.reached.len() + index), index == 0);
+        }
+    }
+
+    fn bar(&self, drawing: &mut Drawing, curve: &Curve, end: f64, y: f64) {
+        let style = self.data.style(&curve.label);
+        style.line(drawing, vec![[LEFT, y], [end, y]]);
+        style.point(drawing, [end, y], curve.blind.is_some());
+    }
+
+    fn other_line(&self, drawing: &mut Drawing, curves: &[&Curve], y: f64, first: bool) {
+        let [begin, end] = [LEFT, WIDTH - EDGE];
+        drawing.rectangle([begin, y - LINE / 2.0], [end, y + LINE / 2.0], WHITE);
+        if first {
+            drawing.text([begin, y], NOT_REACHED, SMALL, FAINT_INK, Anchor::Start);
+        }
+        let mut x = begin + text_width(NOT_REACHED, SMALL) * 1.1 + 14.0;
+        for curve in curves {
+            self.data.style(&curve.label).point(drawing, [x, y], curve.blind.is_some());
+            drawing.text([x + 8.0, y], curve.label.as_str(), SMALL, FAINT_INK, Anchor::Start);
+            x += entry_width(curve);
+        }
+    }
+}
+
+const NOT_REACHED: &str = "not reached:";
+
+fn entry_width(curve: &Curve) -> f64 {
+    8.0 + text_width(&curve.label, SMALL) * 1.1 + 16.0
+}
+
+/// As many to a line as fit.
+fn wrapped(curves: Vec<&Curve>) -> Vec<Vec<&Curve>> {
+    let most = WIDTH - EDGE - LEFT - text_width(NOT_REACHED, SMALL) * 1.1 - 14.0;
+    let mut lines: Vec<Vec<&Curve>> = Vec::new();
+    let mut used = 0.0;
+    for curve in curves {
+        used += entry_width(curve);
+        match lines.last_mut() {
+            Some(line) if used <= most => line.push(curve),
+            _ => {
+                used = entry_width(curve);
+                lines.push(vec![curve]);
+            }
+        }
+    }
+    lines
+}
+
+/// Right of a bar's end, or on the bar where there is no room.
+fn label(drawing: &mut Drawing, text: &str, end: f64, y: f64) {
+    const GAP: f64 = 9.0;
+    let width = text_width(text, SMALL) * 1.1;
+    if end + GAP + width < WIDTH - EDGE {
+        drawing.text([end + GAP, y], text, SMALL, INK, Anchor::Start);
+        return;
+    }
+    drawing.rectangle([end - GAP - width - 3.0, y - 6.0], [end - GAP + 3.0, y + 6.0], WHITE);
+    drawing.text([end - GAP, y], text, SMALL, INK, Anchor::End);
 }
