@@ -79,8 +79,9 @@ fn check_lines(records: &[Record], folder: &Path) {
     for record in records {
         assert!(record.cpu_seconds >= record.budget && record.passes > 0, "{record:?}");
         assert_eq!((record.scene.as_str(), record.version.as_str()), ("ball", env!("CARGO_PKG_VERSION")));
-        // The truth is 1: 11 % above what the reference says.
-        assert!((record.metrics.bias - 0.111).abs() < 0.02, "{}", record.metrics.bias);
+        // The truth is 1: 11 % above what the reference says. A single pass of sppm varies by 1.5 %.
+        let tolerance = if record.method == "path" { 0.01 } else { 0.08 };
+        assert!((record.metrics.bias - 1.0 / 9.0).abs() < tolerance, "{record:?}");
         assert_eq!(record.metrics.reference_noise, None);
     }
     let sppm = records.iter().find(|record| record.method == "sppm").expect("sppm ran");
