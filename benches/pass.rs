@@ -102,7 +102,7 @@ fn merge_a_1920_by_1080_tally(bencher: Bencher<'_, '_>) {
     let first = vec![1e-4f32; pixels];
     let estimate = Estimate::new(width, height, &[region], &first, RadiusRule::Statistics, 2.0 / 3.0);
     let mut tally = Tally::zero(Shard { first_pass: 0, passes: 8, region }, width);
-    tally.pixels.fill(PixelTally { radiance: [1.0; 3], flux: [2.0; 3], photons: 30.0 });
+    tally.pixels.fill(PixelTally { radiance: [1.0; 3], flux: [2.0; 3], photons: 30.0, inner_flux: 1.0 });
     tally.photons_emitted = 1;
     let field = RadiusField { radius_squared: first, base_pass: 0, typical_radius_squared: 1e-4 };
     let bytes = pixels * size_of::<PixelTally>();

@@ -4,27 +4,19 @@
 //! `cargo run --release --example experiments -- 60` gives each equal-time picture 60 processor-seconds; all together take about
 //! 30 minutes on two cores.
 
-#[path = "support/processor_time.rs"]
-mod processor_time;
-
 use std::error::Error;
 use std::fs;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-use photonfarm::estimate::picture_files::{encode_png, read_exr};
-use photonfarm::estimate::{Estimate, Picture, Region, Shard};
-use photonfarm::evaluation::{compare, signed_difference};
+use photonfarm::estimate::Picture;
+use photonfarm::estimate::picture_files::encode_png;
+use photonfarm::evaluation::{ProcessStopwatch, Reference, Run, Stopwatch, compare, signed_difference};
 use photonfarm::method::{self, MethodChoice};
-use photonfarm::render::Renderer;
 use photonfarm::scene::{Scene, import};
-use processor_time::processor_seconds;
 use serde_json::{Map, Value, json};
 
 const PICTURES: &str = "docs/pictures/experiments";
-/// Passes traced with one radius field, as many as a small farm has in flight.
-const PASSES_PER_FIELD: u32 = 16;
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 
@@ -59,28 +51,18 @@ fn render(scene: &Arc<Scene>, method: &str, parameters: &Value, until: Until) ->
     let parameters = parameters.as_object().cloned().unwrap_or_else(Map::new);
     let choice = MethodChoice { name: method.to_owned(), parameters };
     let checked = method::check(&choice, scene.pixel_count() as u64)?;
-    let start = processor_seconds()?;
-    let renderer = Renderer::new(scene.clone(), &checked, 1)?;
-    let go_on = AtomicBool::new(false);
-    let region = Region { row_start: 0, row_end: scene.height };
-    let first = renderer.pilot(&go_on)?.radius_squared;
-    let mut estimate = Estimate::new(scene.width, scene.height, &[region], &first, checked.radius_rule, checked.alpha);
-    let mut field = estimate.radius_field(region);
-    let goes_on = |passes: u32| -> Outcome<bool> {
+    let mut stopwatch = ProcessStopwatch::start()?;
+    let mut run = Run::start(scene, &checked, 1)?;
+    let goes_on = |passes: u32, stopwatch: &mut ProcessStopwatch| -> Outcome<bool> {
         Ok(match until {
             Until::Passes(wanted) => passes < wanted,
-            Until::Seconds(wanted) => processor_seconds()? - start < wanted,
+            Until::Seconds(wanted) => stopwatch.spent()?.processor < wanted,
         })
     };
-    while goes_on(estimate.passes())? {
-        let first_pass = estimate.passes();
-        if first_pass.is_multiple_of(PASSES_PER_FIELD) {
-            field = estimate.radius_field(region);
-        }
-        let tally = renderer.trace(Shard { first_pass, passes: 1, region }, &field, &go_on)?;
-        estimate.merge(&tally, &field)?;
+    while goes_on(run.passes(), &mut stopwatch)? {
+        run.pass()?;
     }
-    Ok((estimate.picture(), estimate.passes()))
+    Ok((run.picture(), run.passes()))
 }
 
 /// Writes pictures of one height side by side.
@@ -145,9 +127,8 @@ fn scale(width: u32, height: u32) -> Picture {
 
 /// Figures 4.8 and 4.9: signed differences to a converged picture by another renderer.
 fn differences() -> Outcome<()> {
-    let folder = Path::new("tests/references/glossy-blocks-a010");
-    let scene = Arc::new(Scene::prepare(&import::load_file(&folder.join("scene.xml"), &[])?)?);
-    let reference = read_exr(&folder.join("ref.exr"))?;
+    let Reference { scene, picture: reference, .. } =
+        Reference::load(Path::new("tests/references/glossy-blocks-a010"))?;
     let paper = json!({"weights": "paper", "light_hits": "off", "camera_hits": "off"});
     let consistent = json!({"light_hits": "off", "camera_hits": "off"});
     let jobs = [
@@ -196,11 +177,11 @@ fn time_shares() -> Outcome<()> {
     for name in ["kitchen-counter", "cornell-ward", "concert-hall"] {
         let scene = scene(name, 256)?;
         let time = |method: &str, parameters: Value| -> Outcome<f64> {
-            let start = processor_seconds()?;
+            let mut stopwatch = ProcessStopwatch::start()?;
             render(&scene, method, &parameters, Until::Passes(1))?;
-            let first = processor_seconds()?;
+            let first = stopwatch.spent()?.processor;
             render(&scene, method, &parameters, Until::Passes(17))?;
-            Ok((processor_seconds()? - first - (first - start)) / 16.0)
+            Ok((stopwatch.spent()?.processor - 2.0 * first) / 16.0)
         };
         let shared = json!({"max_depth": 7, "light_hits": "off", "camera_hits": "off"});
         let with = |key: &str, value: Value| {

@@ -10,8 +10,8 @@
 //! | [`transport`] | camera and photon walks, direct light, photon map, density estimates | math, scene |
 //! | [`estimate`] | tally, merge rules, radius schedules, picture | math |
 //! | [`method`] | one file per method and one table | the above |
-//! | [`evaluation`] | error metrics | math, estimate |
 //! | [`render`] | passes on this machine's threads, cancellation | method and below |
+//! | [`evaluation`] | error metrics, error over time, charts | render and below |
 //! | [`farm`] | job, schedule, coordinator, worker, wire | render and below |
 //! | [`api`] | REST and live events | farm |
 //! | [`cli`] | one file per subcommand | all |

@@ -1,4 +1,5 @@
-//! The error metrics against figures that an independent numpy program computed for the same made-up pictures.
+//! The error metrics against figures that independent programs computed for the same made-up pictures: numpy, SSIM by scikit-image 0.26
+//! (Gaussian weights, σ = 1.5), FLIP by NVIDIA's `flip_evaluator` 1.7, which calculates in single precision.
 
 use photonfarm::estimate::Picture;
 use photonfarm::evaluation::{CompareError, compare};
@@ -44,6 +45,35 @@ fn every_metric_equals_numpys() {
     let noise = metrics.reference_noise.expect("a standard error was given");
     assert_close(noise.rmse, 0.009140703829491519);
     assert_close(noise.relmse, 0.00025916237272969743);
+    assert_close(noise.relmse_left, 0.13898189438987388 - 0.00025916237272969743);
+    assert_close(noise.mse_left, 0.6068744263197211f64.powi(2) - 0.009140703829491519f64.powi(2));
+    assert_near(metrics.ssim.expect("the pictures are large enough"), 0.999089338692942, 1e-8);
+    assert_near(metrics.flip, 0.01404221449047327, 1e-5);
+}
+
+fn assert_near(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} where {expected} is expected");
+}
+
+/// Smooth stripes of several colors, shifted and with more blue where `changed`.
+fn stripes(changed: bool) -> Picture {
+    picture(|index, channel| {
+        let (x, y) = (index % WIDTH, index / WIDTH);
+        let period = 24 + channel as u32;
+        let phase = (x * 3 + y * channel as u32 + if changed { 2 } else { 0 }) % period;
+        let wave = (2.0 * f64::from(phase) - f64::from(period)).abs() / f64::from(period);
+        let factor = if changed && channel == 2 { 1.2 } else { 1.0 };
+        (0.25 + wave * 0.75 * factor) as f32
+    })
+}
+
+#[test]
+fn similarity_to_the_eye_is_that_of_other_programs() {
+    let metrics = compare(&stripes(true), &stripes(false), None).expect("same size");
+    assert_near(metrics.ssim.expect("the pictures are large enough"), 0.8624810426053074, 1e-8);
+    assert_near(metrics.flip, 0.20235279202461243, 1e-4);
+    let small = Picture { width: 10, height: 20, radiance: vec![[1.0; 3]; 200] };
+    assert_eq!(compare(&small, &small, None).expect("same size").ssim, None, "no window fits");
 }
 
 #[test]
@@ -51,7 +81,7 @@ fn a_picture_equals_itself() {
     let reference = picture(reference_value);
     let metrics = compare(&reference, &reference, None).expect("same size");
     assert_eq!((metrics.rmse, metrics.relmse, metrics.bias, metrics.block_bias_max), (0.0, 0.0, 0.0, 0.0));
-    assert_eq!(metrics.reference_noise, None);
+    assert_eq!((metrics.ssim, metrics.flip, metrics.reference_noise), (Some(1.0), 0.0, None));
 }
 
 #[test]

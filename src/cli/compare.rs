@@ -61,6 +61,10 @@ fn table(metrics: &Metrics) -> String {
         format!("  red, green, blue  {red}, {green}, {blue}"),
         format!("worst 8×8 block   {:.3} %", 100.0 * metrics.block_bias_max),
     ];
+    if let Some(ssim) = metrics.ssim {
+        lines.push(format!("SSIM              {ssim:.5}"));
+    }
+    lines.push(format!("FLIP              {:.5}", metrics.flip));
     if let Some(noise) = &metrics.reference_noise {
         lines.push(format!("reference's own noise: RMSE {:.6e}, relMSE {:.6e}", noise.rmse, noise.relmse));
     }

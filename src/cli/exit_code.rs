@@ -16,6 +16,7 @@ Exit codes:
   3    bad scene, method or parameters
   4    the coordinator cannot be reached
   5    a file cannot be read or written
+  6    evaluate --compare: something became worse
   130  interrupted";
 
 /// Why a command did not do what was asked. The text says what, where and what to do about it.
@@ -33,6 +34,9 @@ pub(super) enum CliError {
     /// A file cannot be read or written.
     #[error("{0}")]
     File(String),
+    /// A comparison of results found something worse.
+    #[error("{0}")]
+    Worse(String),
     /// The user asked to stop.
     #[error("interrupted")]
     Interrupted,
@@ -46,6 +50,7 @@ impl CliError {
             Self::BadInput(_) => 3,
             Self::Unreachable(_) => 4,
             Self::File(_) => 5,
+            Self::Worse(_) => 6,
             Self::Interrupted => 130,
         })
     }

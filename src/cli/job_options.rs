@@ -57,7 +57,8 @@ impl JobOptions {
     }
 }
 
-fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
+/// A method parameter: a name and a JSON value, or else text.
+pub(super) fn setting(text: &str) -> Result<(String, serde_json::Value), String> {
     let (key, value) = define(text)?;
     let value = serde_json::from_str(&value).unwrap_or(serde_json::Value::String(value));
     Ok((key, value))

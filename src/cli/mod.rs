@@ -1,8 +1,10 @@
 //! The command line: one file per subcommand. Results go to standard output, everything else to standard error.
 
 mod cancel;
+mod chart;
 mod client;
 mod compare;
+mod evaluate;
 mod exit_code;
 mod fetch;
 mod import;
@@ -68,6 +70,10 @@ enum Command {
     Scene(scene::Scene),
     /// Measure how far a picture is from a reference.
     Compare(compare::Compare),
+    /// Measure how the error of methods falls with time.
+    Evaluate(evaluate::Evaluate),
+    /// Draw results of `evaluate`.
+    Chart(chart::Chart),
 }
 
 /// Reads the command line, does what it says and tells the exit code.
@@ -101,6 +107,8 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Import(command) => command.run(),
         Command::Scene(command) => command.run(),
         Command::Compare(command) => command.run(),
+        Command::Evaluate(command) => command.run(),
+        Command::Chart(command) => command.run(),
     }
 }
 

@@ -1,7 +1,10 @@
 //! Error metrics of a picture against a reference. All sums run in f64, in row order.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
+use super::flip::mean_flip;
+use super::shown::{Shown, exposure_factor};
+use super::similarity::structural_similarity;
 use crate::estimate::Picture;
 
 /// Side of the square blocks in which local bias is looked for, pixels.
@@ -10,7 +13,7 @@ const BLOCK_SIDE: usize = 8;
 const KEPT_SHARE: f64 = 0.999;
 
 /// How a picture differs from its reference. Y is the channel mean of a reference pixel, m the reference's mean.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Metrics {
     /// Root mean square error over pixels and channels, W·sr⁻¹·m⁻².
     pub rmse: f64,
@@ -26,18 +29,28 @@ pub struct Metrics {
     pub bias_rgb: [f64; 3],
     /// Largest absolute relative bias of any 8 × 8 block: `|mean − block reference| / (block reference + 0.01·m)`.
     pub block_bias_max: f64,
+    /// SSIM [Wang et al. 2004] of the pictures as shown, the reference's mean luminance at 0.18: 1 for equal ones. Empty for pictures less
+    /// than 11 pixels wide or high.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ssim: Option<f64>,
+    /// Mean FLIP [Andersson et al. 2020] of the pictures as shown: 0 for equal ones, at most 1.
+    pub flip: f64,
     /// The reference's own noise: what it adds to the errors above. Empty when it is not known.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_noise: Option<ReferenceNoise>,
 }
 
 /// What the reference's own standard error adds to the metrics; do not expect to get below it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceNoise {
     /// Its part of `rmse`.
     pub rmse: f64,
     /// Its part of `relmse`.
     pub relmse: f64,
+    /// `rmse²` less its part: what is left for the picture, below 0 by chance when there is nothing left.
+    pub mse_left: f64,
+    /// `relmse` less its part.
+    pub relmse_left: f64,
 }
 
 /// Pictures that cannot be compared.
@@ -94,9 +107,11 @@ pub fn compare(
         Some(noise) => {
             check_size("standard error", noise, reference)?;
             check_finite("standard error", noise)?;
-            Some(noise_part(noise, &denominators))
+            Some(noise_part(noise, &denominators, rmse, relmse))
         }
     };
+    let factor = exposure_factor(reference);
+    let [image_shown, reference_shown] = [image, reference].map(|picture| Shown::new(picture, factor));
     Ok(Metrics {
         rmse,
         rel_rmse: rmse / mean,
@@ -105,6 +120,8 @@ pub fn compare(
         bias: (mean_of(&image.radiance) - mean) / mean,
         bias_rgb: [0, 1, 2].map(|channel| channel_bias(image, reference, channel)),
         block_bias_max: largest_block_bias(image, reference, mean),
+        ssim: structural_similarity(&image_shown, &reference_shown),
+        flip: mean_flip(&image_shown, &reference_shown),
         reference_noise,
     })
 }
@@ -128,10 +145,16 @@ fn check_finite(what: &'static str, picture: &Picture) -> Result<(), CompareErro
     Err(CompareError::NotFinite { what, column, row, value })
 }
 
-fn noise_part(standard_error: &Picture, denominators: &[f64]) -> ReferenceNoise {
+fn noise_part(standard_error: &Picture, denominators: &[f64], rmse: f64, relmse: f64) -> ReferenceNoise {
     let squares: Vec<f64> = standard_error.radiance.iter().map(|pixel| channel_mean(pixel).powi(2)).collect();
     let relative: Vec<f64> = squares.iter().zip(denominators).map(|(square, below)| square / below).collect();
-    ReferenceNoise { rmse: average(&squares).sqrt(), relmse: average(&relative) }
+    let (square, relative) = (average(&squares), average(&relative));
+    ReferenceNoise {
+        rmse: square.sqrt(),
+        relmse: relative,
+        mse_left: rmse * rmse - square,
+        relmse_left: relmse - relative,
+    }
 }
 
 /// Mean over channels of the squared error of a pixel.

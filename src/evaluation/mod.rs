@@ -1,7 +1,36 @@
-//! How far a picture is from a reference.
+//! How far pictures are from references, and how fast methods get there.
+//!
+//! [`compare`] measures one picture. [`follow`] renders a [`Reference`]'s scene and keeps the picture at each time budget; each becomes a
+//! [`Record`], a line of a results file. [`curves()`] sums such lines up, [`changes()`] compares two files, and [`chart`] draws them,
+//! together with other programs' curves ([`read_peers`]).
 
+mod changes;
+pub mod chart;
+mod curves;
 mod difference;
+mod flip;
+mod machine;
 mod metrics;
+mod peers;
+mod plane;
+mod record;
+mod reference;
+mod run;
+mod sample;
+mod shown;
+mod significance;
+mod similarity;
+mod stopwatch;
 
+pub use changes::{Change, ChangeRule, Verdict, changes};
+pub use curves::{Curve, CurvePoint, Reached, Spread, common_budget, curves};
 pub use difference::signed_difference;
-pub use metrics::{CompareError, Metrics, compare};
+pub use machine::Machine;
+pub use metrics::{CompareError, Metrics, ReferenceNoise, compare};
+pub use peers::{PeerPoint, PeersError, read_peers};
+pub use record::{Record, ResultsError, ResultsFile, RunKey, read_results};
+pub use reference::{Reference, ReferenceError, ReferencePlace, reference_folders};
+pub use run::{Run, RunError, Snapshot, follow, on_threads};
+pub use sample::{Measure, Sample};
+pub use shown::exposure_factor;
+pub use stopwatch::{ProcessStopwatch, Spent, Stopwatch, StopwatchError};

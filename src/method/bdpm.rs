@@ -22,7 +22,7 @@ use super::bidirectional_parameters::{
 };
 use super::bidirectional_pass::Recipe;
 use super::parameters::help;
-use super::{MethodEntry, ParameterHelp, blind_to_nothing};
+use super::{Bias, MethodEntry, ParameterHelp, blind_to_nothing};
 
 const PARAMETERS: &[ParameterHelp] = &[
     PHOTONS,
@@ -50,6 +50,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "bidirectional photon mapping: photons at every camera vertex, weighted in pairs",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011",
+    bias: Bias::Stays,
     parameters: RECIPE.parameters,
     negative_lobes: true,
     blind_to: blind_to_nothing,

@@ -18,7 +18,7 @@ use super::bidirectional_parameters::{
     BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH, SHOW, STRATEGY,
 };
 use super::bidirectional_pass::Recipe;
-use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
+use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
 const PARAMETERS: &[ParameterHelp] = &[HEURISTIC, STRATEGY, SHOW, MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
@@ -31,6 +31,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "bidirectional path tracing: every light and camera vertex connected",
     cannot_sample: "light of point, spot and directional lights through glass onto what glass or mirrors show",
     reference: "Lafortune & Willems 1993; Veach 1997, chapter 10",
+    bias: Bias::None,
     parameters: RECIPE.parameters,
     negative_lobes: true,
     blind_to,

@@ -12,7 +12,7 @@
 
 use super::bidirectional_parameters::{BidirectionalParameters, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
 use super::bidirectional_pass::Recipe;
-use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
+use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
 const PARAMETERS: &[ParameterHelp] = &[MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
@@ -25,6 +25,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "light subpaths connected with the camera, for what only they can sample",
     cannot_sample: "anything that the camera sees in mirrors or through glass",
     reference: "Arvo 1986; Veach 1997, chapter 10",
+    bias: Bias::None,
     parameters: RECIPE.parameters,
     negative_lobes: true,
     blind_to,

@@ -38,6 +38,8 @@ pub struct MethodEntry {
     pub cannot_sample: &'static str,
     /// Where it was published.
     pub reference: &'static str,
+    /// What becomes of its bias as passes are added.
+    pub bias: Bias,
     /// Its parameters.
     pub parameters: &'static [ParameterHelp],
     /// Whether it takes filters with negative lobes as they are; else they become `gaussian`. Weights of both signs leave
@@ -50,6 +52,17 @@ pub struct MethodEntry {
     check: fn(&MethodChoice, u64) -> Result<CheckedMethod, MethodError>,
     /// Prepares the method for a scene.
     prepare: PrepareMethod,
+}
+
+/// The part of a method's error that no averaging removes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bias {
+    /// Every pass is right on average.
+    None,
+    /// It goes with the gather radius, whose square falls as passes^(α − 1).
+    Shrinks,
+    /// More passes leave it as it is.
+    Stays,
 }
 
 /// Scene, checked choice and job seed to a prepared method.
@@ -206,6 +219,19 @@ pub fn notices(method: &CheckedMethod, traits: SceneTraits) -> Vec<String> {
         )
     });
     blind_spot(method, traits).into_iter().chain(replaced).collect()
+}
+
+/// The power of time with which theory says that a method's mean square error falls, once there are many passes.
+///
+/// Without bias −1. Progressive density estimation has variance ∝ passes^−α and bias ∝ passes^(α − 1) [Knaus & Zwicker 2011,
+/// section 4], so the slower of −α and −2(1 − α): −2/3 at α = 2/3, where both are the same. A bias that stays is all that is left in the end: 0.
+pub fn theory_rate(method: &CheckedMethod) -> Result<f64, MethodError> {
+    Ok(match entry(&method.choice.name)?.bias {
+        // α = 1 says that nothing is gathered.
+        Bias::Shrinks if method.alpha < 1.0 => -method.alpha.min(2.0 * (1.0 - method.alpha)),
+        Bias::None | Bias::Shrinks => -1.0,
+        Bias::Stays => 0.0,
+    })
 }
 
 /// Prepares a checked method for a scene.

@@ -16,7 +16,7 @@
 use super::bidirectional_parameters::{BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
 use super::bidirectional_pass::Recipe;
 use super::parameters::help;
-use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
+use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
 const PARAMETERS: &[ParameterHelp] = &[
@@ -37,6 +37,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "path tracing: light and material sampling combined",
     cannot_sample: "caustics of point, spot and directional lights; small lamps behind glass are very noisy",
     reference: "Kajiya 1986; Veach 1997, chapter 9",
+    bias: Bias::None,
     parameters: RECIPE.parameters,
     negative_lobes: true,
     blind_to,

@@ -19,7 +19,7 @@ use super::bidirectional_parameters::{
     PHOTONS, RADIUS_RULE, RR_DEPTH, SHOW, STRATEGY, WEIGHTS,
 };
 use super::bidirectional_pass::Recipe;
-use super::{MethodEntry, ParameterHelp, blind_to_nothing};
+use super::{Bias, MethodEntry, ParameterHelp, blind_to_nothing};
 
 const PARAMETERS: &[ParameterHelp] = &[
     ALPHA,
@@ -47,6 +47,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "progressive bidirectional photon mapping: bdpm with a shrinking radius",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011, section 3.4",
+    bias: Bias::Shrinks,
     parameters: RECIPE.parameters,
     negative_lobes: true,
     blind_to: blind_to_nothing,

@@ -44,7 +44,7 @@ use serde_json::Value;
 
 use super::parameters::{self, Auto, ParameterHelp, ParameterSet, help};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
+use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
 use crate::math::random::{PathRandom, Stream, dimension, spread};
@@ -68,6 +68,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "photon mapping in two passes: sampled direct light, caustic map, final gather from a global map",
     cannot_sample: "nothing; but more passes do not remove the bias of its estimate, only more photons per pass do",
     reference: "Jensen 1996",
+    bias: Bias::Stays,
     parameters: PARAMETERS,
     negative_lobes: false,
     blind_to: blind_to_nothing,

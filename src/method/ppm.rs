@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
+use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::{PixelTally, Region};
 use crate::math::octahedral;
 use crate::math::random::{PathRandom, Stream, dimension};
@@ -51,6 +51,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "progressive photon mapping: hit points fixed for the whole job, photons anew every pass",
     cannot_sample: "more camera paths than samples_per_pixel: edges and lenses stay as noisy as those leave them",
     reference: "Hachisuka, Ogaki & Jensen 2008",
+    bias: Bias::Shrinks,
     parameters: PARAMETERS,
     negative_lobes: false,
     blind_to: blind_to_nothing,

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
+use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::PixelTally;
 use crate::math::random::{PathRandom, Stream};
 use crate::scene::Scene;
@@ -38,6 +38,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "stochastic progressive photon mapping: new camera paths every pass, shared pixel statistics",
     cannot_sample: "nothing; every path with a surface that is not a mirror or glass is found",
     reference: "Hachisuka & Jensen 2009; Knaus & Zwicker 2011",
+    bias: Bias::Shrinks,
     parameters: PARAMETERS,
     negative_lobes: false,
     blind_to: blind_to_nothing,

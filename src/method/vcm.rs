@@ -18,7 +18,7 @@ use super::bidirectional_parameters::{
 };
 use super::bidirectional_pass::Recipe;
 use super::parameters::help;
-use super::{CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
+use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
 use crate::transport::bidirectional::Techniques;
 
 const PARAMETERS: &[ParameterHelp] = &[
@@ -45,6 +45,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "vertex connection and merging: bdpt and pbdpm in one",
     cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Georgiev et al. 2012",
+    bias: Bias::Shrinks,
     parameters: RECIPE.parameters,
     negative_lobes: true,
     blind_to,

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub use atomic_write::{check_writable, write_file};
 pub use exr_file::{decode_exr, encode_exr, read_exr};
 pub use layers::{LAYERS, Layer, LayerRow, PictureLayer, UnknownLayer};
-pub use png_file::encode_png;
+pub use png_file::{encode_png, encode_png_bytes};
 
 /// Where a picture comes from; written into the header of EXR files.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -10,9 +10,14 @@ use crate::estimate::Picture;
 pub fn encode_png(picture: &Picture, exposure: f32) -> Result<Vec<u8>, PictureFileError> {
     let scale = exposure.exp2();
     let bytes: Vec<u8> = picture.radiance.iter().flatten().map(|radiance| srgb_byte(radiance * scale)).collect();
+    encode_png_bytes(&bytes, picture.width, picture.height)
+}
+
+/// Encodes red, green and blue bytes as they are, row by row from the top.
+pub fn encode_png_bytes(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>, PictureFileError> {
     let mut file = Vec::new();
     PngEncoder::new(&mut file)
-        .write_image(&bytes, picture.width, picture.height, ExtendedColorType::Rgb8)
+        .write_image(bytes, width, height, ExtendedColorType::Rgb8)
         .map_err(|error| PictureFileError::Encode { problem: error.to_string() })?;
     Ok(file)
 }
