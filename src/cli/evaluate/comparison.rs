@@ -9,7 +9,8 @@ use crate::evaluation::{Change, ChangeRule, Record, Verdict, changes, read_resul
 
 /// Prints a table of changes. An error when anything is worse.
 pub(super) fn run(old: &Path, new: &Path, rule: ChangeRule) -> Result<(), CliError> {
-    if !(rule.level > 0.0 && rule.level < 1.0) || !(rule.tolerance >= 0.0 && rule.tolerance.is_finite()) {
+    let possible = rule.level > 0.0 && rule.level < 1.0 && rule.tolerance >= 0.0 && rule.tolerance.is_finite();
+    if !possible {
         let text = format!("--level {} and --tolerance {}; give a probability and a share", rule.level, rule.tolerance);
         return Err(CliError::BadInput(text));
     }
