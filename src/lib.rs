@@ -11,8 +11,8 @@
 //! | [`estimate`] | tally, merge rules, radius schedules, picture | math |
 //! | [`method`] | one file per method and one table | the above |
 //! | [`render`] | passes on this machine's threads, cancellation | method and below |
-//! | [`evaluation`] | error metrics, error over time, charts | render and below |
-//! | [`farm`] | job, schedule, coordinator, worker, wire | render and below |
+//! | [`evaluation`] | error metrics, error over time, charts, the choice of a method | render and below |
+//! | [`farm`] | job, schedule, coordinator, worker, wire | evaluation and below |
 //! | [`api`] | REST and live events | farm |
 //! | [`cli`] | one file per subcommand | all |
 

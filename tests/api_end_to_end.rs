@@ -10,6 +10,7 @@ use photonfarm::api;
 use photonfarm::estimate::picture_files::{LAYERS, decode_exr};
 use photonfarm::farm::worker::{WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions};
+use photonfarm::method::METHODS;
 use reqwest::header;
 use serde_json::{Value, json};
 use tokio_util::sync::{CancellationToken, DropGuard};
@@ -118,7 +119,38 @@ async fn a_scene_becomes_a_picture() {
     let picture = decode_exr(&image.bytes().await.expect("bytes")).expect("an EXR");
     assert_eq!((picture.width, picture.height), (64, 64));
     assert!(picture.radiance.iter().flatten().all(|value| value.is_finite() && *value > 0.0));
+
+    let bound = last["estimated_error"]["bound"].as_f64().expect("an error estimate");
+    assert!(bound > 0.0 && last["estimated_error"]["confidence"] == 0.95);
+    let chart = farm.get(job["links"]["chart_svg"].as_str().expect("an address")).await;
+    assert_eq!(chart.headers()[header::CONTENT_TYPE], "image/svg+xml");
+    let chart = chart.text().await.expect("text");
+    assert!(chart.starts_with("<svg") && chart.contains("after 4 passes"), "{chart}");
 }
+
+/// A method that trials chose is written into the job, with the reason.
+#[tokio::test(flavor = "multi_thread")]
+async fn auto_names_the_method_that_it_chose() {
+    let farm = Farm::start(1).await;
+    let scene = serde_json::from_str::<serde_json::Value>(SMALL_SCENE).expect("JSON");
+    let job = json!({ "scene_inline": scene, "method": "auto", "stop": { "passes": 2 } });
+    let (status, job) = answer(farm.post("/v1/jobs", job.to_string()).await).await;
+    assert_eq!(status, 202, "{job}");
+    let chosen = job["method"].as_str().expect("a name");
+    assert!(METHODS.iter().any(|method| method.name == chosen), "{chosen}");
+    let notices = job["notices"].as_array().expect("a list");
+    let reason = format!("auto chose {chosen}, ");
+    assert!(notices.iter().any(|notice| notice.as_str().is_some_and(|text| text.starts_with(&reason))), "{notices:?}");
+    let wrong = json!({ "scene_inline": scene, "method": "auto", "parameters": { "no_such": 1 } });
+    let (status, problem) = answer(farm.post("/v1/jobs", wrong.to_string()).await).await;
+    assert!(status == 422 && problem.to_string().contains("no_such"), "{problem}");
+}
+
+const SMALL_SCENE: &str = r#"{"type": "scene",
+    "sensor": {"type": "perspective", "fov": 40,
+        "to_world": [{"look_at": {"origin": [0, 0, 4], "target": [0, 0, 0], "up": [0, 1, 0]}}],
+        "film": {"type": "hdrfilm", "width": 16, "height": 16}},
+    "ball": {"type": "sphere"}, "sky": {"type": "constant"}}"#;
 
 #[tokio::test(flavor = "multi_thread")]
 async fn an_unchanged_image_is_not_sent_twice() {
@@ -260,6 +292,7 @@ async fn the_description_names_every_address() {
         "/v1/jobs",
         "/v1/jobs/{id}",
         "/v1/jobs/{id}/cancel",
+        "/v1/jobs/{id}/chart.svg",
         "/v1/jobs/{id}/events",
         "/v1/jobs/{id}/image.exr",
         "/v1/jobs/{id}/image.png",

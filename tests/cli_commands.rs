@@ -187,6 +187,27 @@ fn scene_check_tells_what_a_scene_contains_and_what_was_left_out() {
 }
 
 #[test]
+fn plan_tells_what_a_scene_needs_and_who_is_fastest() {
+    let scene = "scenes/cornell-glass-mirror/scene.xml";
+    let plan = stdout(&run(&["plan", scene, "-D", "size=16"]));
+    for told in ["16 × 16", "mirrors or glass", "\nmethod ", "processor-seconds to relMSE 0.01", "sppm", "bdpt"] {
+        assert!(plan.contains(told), "no {told:?} in\n{plan}");
+    }
+    assert!(plan.lines().count() <= 10, "{plan}");
+    let json: serde_json::Value =
+        serde_json::from_slice(&run(&["plan", scene, "-D", "size=16", "--json", "--error", "0.1"]).stdout)
+            .expect("JSON");
+    let seconds: Vec<f64> = json["trials"]
+        .as_array()
+        .expect("trials")
+        .iter()
+        .map(|trial| trial["expected_seconds"].as_f64().expect("a number"))
+        .collect();
+    assert!(seconds.len() > 3 && seconds.is_sorted(), "{json}");
+    failure(&run(&["plan", scene, "--error", "0"]), 3);
+}
+
+#[test]
 fn scene_check_fails_on_what_cannot_be_rendered() {
     let folder = tempfile::tempdir().expect("a folder");
     let scene = old_scene(folder.path());

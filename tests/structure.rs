@@ -18,7 +18,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("render", &["math", "scene", "transport", "estimate", "method"]),
     ("evaluation", &["math", "scene", "estimate", "method", "render"]),
     // Below `render` the farm reads only what travels or is checked: it adds numbers and never traces a ray.
-    ("farm", &["math", "scene", "estimate", "method", "render"]),
+    ("farm", &["math", "scene", "estimate", "method", "render", "evaluation"]),
     // `scene` and `method` for their errors, which become problem documents.
     ("api", &["farm", "estimate", "evaluation", "scene", "method"]),
     ("cli", &["math", "scene", "transport", "estimate", "method", "evaluation", "render", "farm", "api"]),

@@ -14,6 +14,7 @@ use crate::estimate::Picture;
 use crate::estimate::picture_files::{
     LAYERS, Layer, PictureFileError, PictureLayer, PictureMetadata, encode_exr, encode_png,
 };
+use crate::evaluation::chart::{draw_job, to_svg};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
 
@@ -110,6 +111,34 @@ pub async fn image_exr(
     let tag = etag(&status, &variant);
     let bytes = encode(move || encode_exr_of(&picture, &layers, &status)).await?;
     Ok(image("image/x-exr", &tag, bytes))
+}
+
+/// The job's own error estimate over time, as a chart.
+#[utoipa::path(
+    get, path = "/jobs/{id}/chart.svg", tag = "images",
+    params(("id" = String, Path, description = "The job's id")),
+    responses(
+        (status = 200, description = "The chart so far", body = String, content_type = "image/svg+xml",
+            headers(("ETag" = String))),
+        (status = 304, description = "The same as If-None-Match names"),
+        (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn chart_svg(
+    State(state): State<ApiState>,
+    PathValue(id): PathValue<String>,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    let status = state.coordinator.job(&id)?;
+    if let Some(unchanged) = unchanged(&status, "svg", &headers) {
+        return Ok(unchanged);
+    }
+    let history = state.coordinator.error_history(&id)?;
+    let (tag, title) = (etag(&status, "svg"), format!("{id}: {}", status.method));
+    let svg = tokio::task::spawn_blocking(move || to_svg(&draw_job(&title, &history, status.stop.error)));
+    let svg = svg.await.map_err(|error| FarmError::Internal(error.to_string()))?;
+    let svg = svg.map_err(|error| FarmError::Internal(error.to_string()))?;
+    Ok(image("image/svg+xml", &tag, svg.into_bytes()))
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]

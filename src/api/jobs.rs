@@ -62,6 +62,8 @@ pub struct JobLinks {
     pub image_png: String,
     /// Its picture so far, to compute with.
     pub image_exr: String,
+    /// Its own error estimate over time, a chart.
+    pub chart_svg: String,
     /// POST here to stop it.
     pub cancel: String,
 }
@@ -80,6 +82,7 @@ impl From<JobStatus> for JobView {
             events: format!("{this}/events"),
             image_png: format!("{this}/image.png"),
             image_exr: format!("{this}/image.exr"),
+            chart_svg: format!("{this}/chart.svg"),
             cancel: format!("{this}/cancel"),
             this,
         };

@@ -74,6 +74,7 @@ fn described_routes() -> OpenApiRouter<ApiState> {
         .routes(routes!(events::job_events))
         .routes(routes!(images::image_png))
         .routes(routes!(images::image_exr))
+        .routes(routes!(images::chart_svg))
         .routes(routes!(methods::list_methods))
         .routes(routes!(workers::list_workers));
     OpenApiRouter::with_openapi(openapi::Description::openapi()).routes(routes!(workers::health)).nest("/v1", version_1)

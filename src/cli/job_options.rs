@@ -12,7 +12,7 @@ use crate::farm::job::StopRule;
 pub(super) struct JobOptions {
     /// Scene: Mitsuba 3 XML or JSON, or a zip archive with everything it refers to.
     pub(super) scene: PathBuf,
-    /// Method; the scene's own integrator when it is not given.
+    /// Method, or auto for the one that short trials find to be the fastest; the scene's own integrator when it is not given.
     #[arg(long)]
     method: Option<String>,
     /// Method parameter: a JSON value, or else text. May be repeated.

@@ -13,6 +13,7 @@ mod jobs;
 mod local_farm;
 mod methods;
 mod outputs;
+mod plan;
 mod processor;
 mod progress;
 mod render;
@@ -68,6 +69,8 @@ enum Command {
     Import(import::Import),
     /// Look into a scene without rendering it.
     Scene(scene::Scene),
+    /// Say what a scene needs and which method would render it soonest.
+    Plan(plan::Plan),
     /// Measure how far a picture is from a reference.
     Compare(compare::Compare),
     /// Measure how the error of methods falls with time.
@@ -106,6 +109,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Methods(command) => command.run(),
         Command::Import(command) => command.run(),
         Command::Scene(command) => command.run(),
+        Command::Plan(command) => command.run(),
         Command::Compare(command) => command.run(),
         Command::Evaluate(command) => command.run(),
         Command::Chart(command) => command.run(),

@@ -21,6 +21,7 @@ mod shown;
 mod significance;
 mod similarity;
 mod stopwatch;
+mod survey;
 
 pub use changes::{Change, ChangeRule, Verdict, changes};
 pub use curves::{Curve, CurvePoint, Reached, Spread, common_budget, curves};
@@ -34,3 +35,4 @@ pub use run::{Run, RunError, Snapshot, follow, on_threads};
 pub use sample::{Measure, Sample};
 pub use shown::exposure_factor;
 pub use stopwatch::{ProcessStopwatch, Spent, Stopwatch, StopwatchError};
+pub use survey::{DEFAULT_ERROR, Survey, Trial, survey};

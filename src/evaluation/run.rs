@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::stopwatch::{Spent, Stopwatch, StopwatchError};
-use crate::estimate::{Estimate, MergeError, Picture, RadiusField, Region, Shard};
+use crate::estimate::{ErrorEstimate, Estimate, MergeError, Picture, RadiusField, Region, Shard};
 use crate::method::{CheckedMethod, MethodError};
 use crate::render::{Cancelled, Renderer};
 use crate::scene::Scene;
@@ -73,6 +73,11 @@ impl Run {
     /// Passes made.
     pub fn passes(&self) -> u32 {
         self.estimate.passes()
+    }
+
+    /// The error of the picture so far, as its passes tell it.
+    pub fn error(&self) -> Option<ErrorEstimate> {
+        self.estimate.error()
     }
 
     /// The picture so far.

@@ -19,6 +19,7 @@ use super::request;
 use super::schedule::Schedule;
 use super::wire::lease::JobDescription;
 use crate::estimate::Picture;
+use crate::evaluation::chart::JobPoint;
 use crate::method::SceneTraits;
 use crate::render::first_surface::FirstSurface;
 use crate::scene::error::SceneError;
@@ -167,7 +168,18 @@ impl CoordinatorHandle {
 
     /// Checks a request and queues the job; answers its id.
     pub async fn submit(&self, request: JobRequest) -> Result<String, FarmError> {
-        self.shared.submit(&request)
+        let shared = self.shared.clone();
+        if !request::asks_for_auto(&request) {
+            return shared.submit(&request, None);
+        }
+        blocking(move || shared.submit_after_trials(request)).await
+    }
+
+    /// A job's error as it was estimated from time to time.
+    pub fn error_history(&self, id: &str) -> Result<Vec<JobPoint>, FarmError> {
+        let job = self.shared.job(id)?;
+        let state = self.shared.lock();
+        Ok(state.schedule.job(job.number).map(|progress| progress.history.clone()).unwrap_or_default())
     }
 
     /// All jobs, oldest first.
@@ -293,13 +305,20 @@ impl Shared {
         Ok(summary)
     }
 
-    fn submit(&self, request: &JobRequest) -> Result<String, FarmError> {
+    fn submit_after_trials(&self, mut request: JobRequest) -> Result<String, FarmError> {
+        request::check_stop(request.stop)?;
+        let scene = prepare_scene(&self.scene(&request.scene)?.bytes)?;
+        let found = request::choose_method(&mut request, scene)?;
+        self.submit(&request, Some(found.reason()))
+    }
+
+    fn submit(&self, request: &JobRequest, reason: Option<String>) -> Result<String, FarmError> {
         let scene = self.scene(&request.scene)?;
         let (width, height) = (scene.summary.width, scene.summary.height);
         let pixels = u64::from(width) * u64::from(height);
         let resolved = request::resolve_method(request, scene.integrator.as_ref(), pixels, scene.traits)?;
         let stop = request::resolve_stop(request.stop, &resolved.method)?;
-        let notices = scene.summary.notices.iter().cloned().chain(resolved.notices).collect();
+        let notices = scene.summary.notices.iter().cloned().chain(reason).chain(resolved.notices).collect();
         let mut state = self.lock();
         if state.is_closed {
             return Err(FarmError::ShuttingDown);

@@ -7,6 +7,7 @@ use super::job::{JobState, StopRule};
 use super::lease::{Work, WorkIndex};
 use super::plan::Plan;
 use crate::estimate::ErrorEstimate;
+use crate::evaluation::chart::JobPoint;
 
 /// Leases of the same work that may end with a worker's error message before the job fails.
 const FAILURES_PER_WORK: usize = 3;
@@ -52,6 +53,8 @@ pub struct JobProgress {
     pub plan: Option<Plan>,
     /// What is merged.
     pub totals: MergedTotals,
+    /// The error as it was estimated from time to time.
+    pub history: Vec<JobPoint>,
     /// When the first lease was given.
     pub first_lease: Option<Duration>,
     /// When the pilot was done.
@@ -79,6 +82,7 @@ impl JobProgress {
             stop,
             plan: None,
             totals: MergedTotals::default(),
+            history: Vec::new(),
             first_lease: None,
             tracing_since: None,
             ended: None,
@@ -179,6 +183,9 @@ impl JobProgress {
 
     /// Shards were merged.
     pub fn merged(&mut self, totals: MergedTotals, now: Duration) {
+        if let Some(MeasuredError { passes, error }) = totals.error.filter(|_| totals.error != self.totals.error) {
+            self.history.push(JobPoint { seconds: self.seconds(now), passes, error });
+        }
         self.totals = totals;
         self.arrived = self.arrived.split_off(&totals.shards);
         if totals.good_enough {

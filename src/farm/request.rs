@@ -4,11 +4,14 @@ use serde_json::{Map, Value};
 
 use super::error::FarmError;
 use super::job::{JobRequest, StopRule};
+use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, RunError, Survey, survey};
 use crate::method::{self, CheckedMethod, MethodChoice, MethodError, SceneTraits};
-use crate::scene::Integrator;
+use crate::scene::{Integrator, Scene};
 
 /// The method of a scene and a request that name none.
 const DEFAULT_METHOD: &str = "sppm";
+/// The name that stands for the method that trials find to be the fastest.
+pub const AUTO: &str = "auto";
 /// Parameters that mean the same for every method. `rr_depth` is not one: it changes the time that a method takes, not the
 /// picture, and what suits path tracing does not suit photons.
 const SHARED_PARAMETERS: [&str; 1] = ["max_depth"];
@@ -29,6 +32,29 @@ pub struct ResolvedMethod {
     pub method: CheckedMethod,
     /// One sentence each.
     pub notices: Vec<String>,
+}
+
+/// Whether a request leaves the choice of the method to trials.
+pub fn asks_for_auto(request: &JobRequest) -> bool {
+    request.method.as_deref() == Some(AUTO)
+}
+
+/// Tries methods on the scene and names the one that promises the wanted error soonest; what it found.
+///
+/// # Errors
+/// Parameters that no candidate takes.
+pub fn choose_method(request: &mut JobRequest, scene: Scene) -> Result<Survey, FarmError> {
+    let integrator = scene.integrator.as_ref().map(|integrator| without_passed_over(integrator).0);
+    let wanted = request.stop.error.unwrap_or(DEFAULT_ERROR);
+    let internal = |problem: &dyn std::fmt::Display| FarmError::Internal(problem.to_string());
+    let mut stopwatch = ProcessStopwatch::start().map_err(|problem| internal(&problem))?;
+    let found = survey(scene, |name| choice(name, request, integrator.as_ref()), wanted, &mut stopwatch);
+    let found = found.map_err(|problem| match problem {
+        RunError::Method(problem) => FarmError::BadMethod(problem),
+        other => internal(&other),
+    })?;
+    request.method = Some(found.best().map_or(DEFAULT_METHOD.to_owned(), |best| best.method.choice.name.clone()));
+    Ok(found)
 }
 
 /// Chooses the method: the request's, else the scene's integrator, else `sppm`.
@@ -92,6 +118,13 @@ fn choice(name: &str, request: &JobRequest, integrator: Option<&Integrator>) -> 
 
 /// Checks a stop rule and completes it: without any rule the method's own passes count.
 pub fn resolve_stop(stop: StopRule, method: &CheckedMethod) -> Result<StopRule, FarmError> {
+    check_stop(stop)?;
+    let says_nothing = stop.passes.is_none() && stop.seconds.is_none() && stop.error.is_none();
+    Ok(StopRule { passes: if says_nothing { Some(method.passes) } else { stop.passes }, ..stop })
+}
+
+/// Checks the numbers of a stop rule.
+pub fn check_stop(stop: StopRule) -> Result<(), FarmError> {
     if stop.passes.is_some_and(|passes| !(1..=PASSES_LIMIT).contains(&passes)) {
         return Err(FarmError::BadRequest {
             problem: format!("stop.passes is {}", stop.passes.unwrap_or_default()),
@@ -110,10 +143,5 @@ pub fn resolve_stop(stop: StopRule, method: &CheckedMethod) -> Result<StopRule, 
             remedy: "give a relMSE above 0, as 0.01".to_owned(),
         });
     }
-    let passes = if stop.passes.is_none() && stop.seconds.is_none() && stop.error.is_none() {
-        Some(method.passes)
-    } else {
-        stop.passes
-    };
-    Ok(StopRule { passes, ..stop })
+    Ok(())
 }

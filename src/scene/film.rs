@@ -56,6 +56,19 @@ impl Film {
         self.whole[0] as f32 * self.whole[1] as f32
     }
 
+    /// Makes pixels larger until the picture has about `most` of them, at least one.
+    pub fn shrink(&mut self, most: u32) {
+        let scale = (f64::from(most) / (f64::from(self.width) * f64::from(self.height))).sqrt();
+        if scale < 1.0 {
+            let smaller = |size: u32| ((f64::from(size) * scale).round() as u32).max(1);
+            (self.width, self.height) = (smaller(self.width), smaller(self.height));
+            let first = |offset: u32| (f64::from(offset) * scale).floor() as u32;
+            self.offset = self.offset.map(first);
+            let whole = self.whole.map(smaller);
+            self.whole = [whole[0].max(self.offset[0] + self.width), whole[1].max(self.offset[1] + self.height)];
+        }
+    }
+
     /// Whether a point of the whole film may count in any of the picture's pixels.
     #[inline]
     pub fn reaches(&self, point: Vec2) -> bool {

@@ -12,6 +12,7 @@ pub mod geometry;
 pub mod import;
 pub mod light;
 pub mod material;
+pub mod needs;
 pub mod prepare;
 pub mod relief;
 pub mod texture;

@@ -114,6 +114,13 @@ impl Scene {
         Ok(Self { width, height, film, camera, geometry, materials, reliefs, lights, integrator, notices })
     }
 
+    /// The same scene with a picture of about `most` pixels, if it has more.
+    pub fn with_pixels(mut self, most: u32) -> Self {
+        self.film.shrink(most);
+        (self.width, self.height) = (self.film.width, self.film.height);
+        self
+    }
+
     /// How many pixels the picture has.
     pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize

@@ -1,4 +1,4 @@
-//! Charts of results: error against time, time to an error, the best method of each scene, and a report with all of them.
+//! Charts of results: error against time, time to an error, the best method of each scene, a job's own estimate, and a report with all results.
 //!
 //! A chart is first a [`Drawing`], a list of lines, areas and words; `canvas` makes SVG or PNG of it.
 
@@ -6,6 +6,7 @@ mod best_chart;
 mod canvas;
 mod drawing;
 mod error_chart;
+mod job_chart;
 mod report;
 mod scale;
 mod style;
@@ -13,6 +14,7 @@ mod time_chart;
 
 pub use canvas::{CanvasError, to_png, to_svg};
 pub use drawing::Drawing;
+pub use job_chart::{JobPoint, draw_job};
 pub use report::{ReportError, report};
 
 use super::curves::{Curve, curves};

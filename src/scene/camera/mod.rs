@@ -206,6 +206,11 @@ impl Camera {
         })
     }
 
+    /// Whether it has a lens, so that only what lies at one depth is sharp.
+    pub fn has_lens(&self) -> bool {
+        self.aperture_radius > 0.0
+    }
+
     /// Where it stands, m.
     pub fn position(&self) -> Vec3 {
         self.position

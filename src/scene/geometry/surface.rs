@@ -145,6 +145,16 @@ impl Geometry {
         &self.accelerator.primitives()[index as usize]
     }
 
+    /// Whether anything reads texture coordinates.
+    pub fn needs_coordinates(&self) -> bool {
+        self.shapes.iter().any(|shape| shape.needs_uv)
+    }
+
+    /// Whether groups of shapes are placed several times.
+    pub fn has_instances(&self) -> bool {
+        self.instances.is_some()
+    }
+
     /// How many primitives there are: triangles, and analytic shapes as one each.
     pub fn primitive_count(&self) -> usize {
         self.info.len()

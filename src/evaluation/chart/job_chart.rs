@@ -1,0 +1,95 @@
+//! A job's own error estimate over time.
+
+use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK, Point};
+use super::scale::{LogScale, number};
+use super::style::{self, CurveStyle};
+use crate::estimate::ErrorEstimate;
+
+const SIZE: Point = [640.0, 400.0];
+/// Space around the axes: left, top, right, bottom.
+const MARGINS: [f64; 4] = [76.0, 76.0, 20.0, 48.0];
+const TEXT: f64 = 12.0;
+
+/// A job's error at some time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JobPoint {
+    /// Wall-clock seconds since the first lease.
+    pub seconds: f64,
+    /// Passes merged.
+    pub passes: u32,
+    /// What they tell.
+    pub error: ErrorEstimate,
+}
+
+/// Draws noise, bias and the bound of a job called `title`; `wanted` is the error at which it stops.
+pub fn draw_job(title: &str, points: &[JobPoint], wanted: Option<f64>) -> Drawing {
+    let mut drawing = Drawing::new(SIZE[0], SIZE[1]);
+    drawing.text([14.0, 20.0], title, 16.0, INK, Anchor::Start);
+    let Some(last) = points.last() else {
+        let nothing = "No error estimate yet: each twin needs a pass in every region.";
+        drawing.text([14.0, 44.0], nothing, TEXT, FAINT_INK, Anchor::Start);
+        return drawing;
+    };
+    let told = format!(
+        "relMSE below {} with 95 % confidence after {} passes, {:.1} s",
+        number(last.error.bound),
+        last.passes,
+        last.seconds
+    );
+    drawing.text([14.0, 40.0], told, TEXT, FAINT_INK, Anchor::Start);
+    let values = points.iter().flat_map(|point| [point.error.bound, point.error.noise, point.error.bias]);
+    // Estimates of bias are close to 0 by chance: those far below all else do not stretch the scale.
+    let most = points.iter().map(|point| point.error.bound).fold(0.0, f64::max);
+    let least = points.iter().map(|point| point.error.noise).fold(most, f64::min);
+    let shown = values.chain(wanted).filter(|value| *value > 0.1 * least);
+    let x = LogScale::covering(points.iter().map(|point| point.seconds), [MARGINS[0], SIZE[0] - MARGINS[2]]);
+    let y = LogScale::covering(shown, [SIZE[1] - MARGINS[3], MARGINS[1]]);
+    axes(&mut drawing, &x, &y);
+    if let Some(wanted) = wanted {
+        let place = y.place(wanted);
+        drawing.dashed_line(&[[x.pixels[0], place], [x.pixels[1], place]], INK, 1.0);
+        drawing.text([x.pixels[1] - 4.0, place - 9.0], "stops here", TEXT - 1.0, INK, Anchor::End);
+    }
+    let curves: [(&str, fn(&ErrorEstimate) -> f64); 3] =
+        [("bound", |error| error.bound), ("noise", |error| error.noise), ("bias", |error| error.bias)];
+    let styles = style::assign(curves.iter().map(|(label, _)| (false, (*label).to_owned())));
+    let mut left = 14.0;
+    for ((label, value), (_, style)) in curves.into_iter().zip(styles) {
+        let places: Vec<Point> = points
+            .iter()
+            .filter(|point| value(&point.error) >= y.low)
+            .map(|point| [x.place(point.seconds), y.place(value(&point.error))])
+            .collect();
+        if places.is_empty() {
+            continue;
+        }
+        legend(&mut drawing, label, style, left);
+        left += 90.0;
+        style.line(&mut drawing, places.clone());
+        places.into_iter().for_each(|place| style.point(&mut drawing, place, false));
+    }
+    drawing
+}
+
+fn legend(drawing: &mut Drawing, label: &str, style: CurveStyle, left: f64) {
+    let middle = 60.0;
+    style.line(drawing, vec![[left, middle], [left + 26.0, middle]]);
+    style.point(drawing, [left + 13.0, middle], false);
+    drawing.text([left + 32.0, middle], label, TEXT, INK, Anchor::Start);
+}
+
+fn axes(drawing: &mut Drawing, x: &LogScale, y: &LogScale) {
+    let ([left, right], [bottom, top]) = (x.pixels, y.pixels);
+    for value in y.ticks() {
+        let place = y.place(value);
+        drawing.line(vec![[left, place], [right, place]], GRID, 0.75);
+        drawing.text([left - 7.0, place], number(value), TEXT - 1.0, FAINT_INK, Anchor::End);
+    }
+    for value in x.ticks() {
+        let place = x.place(value);
+        drawing.line(vec![[place, bottom], [place, top]], GRID, 0.75);
+        drawing.text([place, bottom + 13.0], number(value), TEXT - 1.0, FAINT_INK, Anchor::Middle);
+    }
+    drawing.line(vec![[left, top], [left, bottom], [right, bottom]], FAINT_INK, 1.0);
+    drawing.text([right, bottom + 31.0], "seconds since the first lease", TEXT - 1.0, FAINT_INK, Anchor::End);
+}

@@ -1,0 +1,189 @@
+//! Which method suits a scene: what `--method auto` and `plan` ask.
+//!
+//! Every method that finds all of a scene's light renders a small picture of it for a moment. Its own error estimate, without a
+//! reference, and the rate with which that falls tell when it would reach the error that is wanted. The best go on in further rounds, as long as
+//! these are short beside what is promised; the soonest wins. Time is measured, so another machine may choose another
+//! method: the choice is made once, when a job is submitted, and written into the job.
+//!
+//! | symbol | meaning |
+//! |---|---|
+//! | e, t | error bound and processor-seconds of the trial |
+//! | β | the rate with which error falls with time: between the last two rounds, at most 1 and at least theory's |
+//! | t·(e/wanted)^(1/β)·(pixels/small pixels) | processor-seconds to the wanted error |
+
+use std::sync::Arc;
+
+use super::run::{Run, RunError};
+use super::stopwatch::Stopwatch;
+use crate::estimate::ErrorEstimate;
+use crate::method::{self, CheckedMethod, MethodChoice, SceneTraits};
+use crate::scene::Scene;
+
+/// The methods to choose from. Not the others: the error of `ppm`'s fixed hit points and of the fixed discs of `photon_map` and
+/// `bdpm` does not show in their passes; `pbdpm` is `vcm` without half of its techniques.
+const CANDIDATES: [&str; 5] = ["sppm", "path", "bdpt", "vcm", "light_tracing"];
+/// relMSE that a survey aims at when nobody says otherwise.
+pub const DEFAULT_ERROR: f64 = 0.01;
+/// Pixels of the small picture at most.
+const SMALL_PIXELS: u32 = 128 * 128;
+/// Passes in a trial at least: four for each twin of the estimate.
+const LEAST_PASSES: u32 = 8;
+/// Processor-seconds of the first round; they are told in hundredths.
+const FIRST_ROUND: f64 = 0.4;
+/// Each further round lasts until trials took so many times as long as before.
+const LONGER: f64 = 4.0;
+/// Only those go on that promise the wanted error in at most so many times the best one's time, …
+const CLOSE: f64 = 4.0;
+/// … and while the next round is at most this share of the best one's expected time.
+const WORTH: f64 = 0.1;
+
+/// How a method did.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trial {
+    /// The method, with all parameters for the whole picture.
+    pub method: CheckedMethod,
+    /// Passes of the trial.
+    pub passes: u32,
+    /// Processor-seconds that they took, first radii left out.
+    pub seconds: f64,
+    /// The small picture's error; `None` when it stayed black.
+    pub error: Option<ErrorEstimate>,
+    /// Processor-seconds in which it would reach the wanted error; infinite when nothing is known.
+    pub expected_seconds: f64,
+}
+
+/// What a survey found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survey {
+    /// relMSE that is wanted.
+    pub wanted: f64,
+    /// The trials, the best first.
+    pub trials: Vec<Trial>,
+    /// Why other methods were not tried, one sentence each.
+    pub left_out: Vec<String>,
+}
+
+impl Survey {
+    /// The method that promises the wanted error soonest; `None` when every candidate is blind to some light.
+    pub fn best(&self) -> Option<&Trial> {
+        self.trials.first()
+    }
+
+    /// The choice and why, one sentence.
+    pub fn reason(&self) -> String {
+        let Some(best) = self.best() else { return "No method finds all light of this scene.".to_owned() };
+        let others = self.trials[1..].iter().map(|trial| {
+            let factor = trial.expected_seconds / best.expected_seconds;
+            format!("{} {factor:.1}", trial.method.choice.name)
+        });
+        let others = others.collect::<Vec<_>>().join(", ");
+        format!(
+            "auto chose {}, which should take {:.0} processor-seconds to relMSE {}; times as long: {others}.",
+            best.method.choice.name, best.expected_seconds, self.wanted
+        )
+    }
+}
+
+/// Tries the candidates on `scene`, with the parameters that `choice` gives each. Runs on the calling rayon pool.
+///
+/// # Errors
+/// Parameters that no candidate takes, or time that cannot be told.
+pub fn survey(
+    scene: Scene,
+    choice: impl Fn(&str) -> MethodChoice,
+    wanted: f64,
+    stopwatch: &mut dyn Stopwatch,
+) -> Result<Survey, RunError> {
+    let pixels = scene.pixel_count() as u64;
+    let traits = SceneTraits::of(&scene);
+    let small = Arc::new(scene.with_pixels(SMALL_PIXELS));
+    let share = pixels as f64 / small.pixel_count() as f64;
+    let (mut racers, mut left_out, mut refused) = (Vec::new(), Vec::new(), None);
+    for name in CANDIDATES {
+        let choice = choice(name);
+        let checked = [pixels, small.pixel_count() as u64].map(|pixels| method::check(&choice, pixels));
+        match checked {
+            [Ok(whole), Ok(checked)] => match method::blind_spot(&whole, traits) {
+                Some(unseen) => left_out.push(unseen),
+                None => racers.push(Racer::new(&small, &checked, whole)?),
+            },
+            [Err(problem), _] | [_, Err(problem)] => {
+                left_out.push(format!("{name} does not take the parameters: {problem}."));
+                refused = refused.or(Some(problem));
+            }
+        }
+    }
+    if let (Some(problem), true) = (refused, racers.is_empty()) {
+        return Err(problem.into());
+    }
+    race(&mut racers, wanted, stopwatch)?;
+    let mut trials: Vec<Trial> = racers.into_iter().map(|racer| racer.finish(wanted, share)).collect();
+    trials.sort_by(|a, b| a.expected_seconds.total_cmp(&b.expected_seconds));
+    Ok(Survey { wanted, trials, left_out })
+}
+
+/// Lets all race for a moment, and the best ones longer, as long as that costs little beside what they promise.
+fn race(racers: &mut [Racer], wanted: f64, stopwatch: &mut dyn Stopwatch) -> Result<(), RunError> {
+    let (mut round, mut best) = (FIRST_ROUND, f64::INFINITY);
+    while round <= WORTH * best || round == FIRST_ROUND {
+        for racer in racers.iter_mut() {
+            let is_close = round == FIRST_ROUND || racer.expected_seconds(wanted) <= CLOSE * best;
+            if is_close {
+                racer.run_until(round, stopwatch)?;
+            }
+        }
+        best = racers.iter().map(|racer| racer.expected_seconds(wanted)).fold(f64::INFINITY, f64::min);
+        if best.is_infinite() {
+            break;
+        }
+        round *= LONGER;
+    }
+    Ok(())
+}
+
+/// A method in the race.
+struct Racer {
+    run: Run,
+    method: CheckedMethod,
+    /// Theory's rate, above 0 for methods that converge.
+    rate: f64,
+    seconds: f64,
+    error: Option<ErrorEstimate>,
+    /// Seconds and error bound after the round before.
+    before: Option<(f64, f64)>,
+}
+
+impl Racer {
+    fn new(small: &Arc<Scene>, checked: &CheckedMethod, method: CheckedMethod) -> Result<Self, RunError> {
+        let rate = -method::theory_rate(checked)?;
+        Ok(Self { run: Run::start(small, checked, 0)?, method, rate, seconds: 0.0, error: None, before: None })
+    }
+
+    /// Makes pairs of passes until `seconds` were spent.
+    fn run_until(&mut self, seconds: f64, stopwatch: &mut dyn Stopwatch) -> Result<(), RunError> {
+        self.before = self.error.map(|error| (self.seconds, error.bound));
+        let start = stopwatch.spent()?.processor - self.seconds;
+        while self.run.passes() < LEAST_PASSES || self.seconds < seconds {
+            self.run.pass()?;
+            self.run.pass()?;
+            self.seconds = stopwatch.spent()?.processor - start;
+        }
+        self.error = self.run.error();
+        Ok(())
+    }
+
+    /// Processor-seconds until the small picture's error is `wanted`, by the rate of the last round or theory's.
+    fn expected_seconds(&self, wanted: f64) -> f64 {
+        let Some(error) = self.error.filter(|_| self.rate > 0.0) else { return f64::INFINITY };
+        // Progressive methods begin faster than theory says for many passes.
+        let measured = self.before.map(|(seconds, bound)| (bound / error.bound).ln() / (self.seconds / seconds).ln());
+        let rate = measured.map_or(self.rate, |measured| measured.clamp(self.rate, 1.0));
+        self.seconds * (error.bound / wanted).powf(1.0 / rate)
+    }
+
+    fn finish(self, wanted: f64, share: f64) -> Trial {
+        let expected_seconds = share * self.expected_seconds(wanted);
+        let Self { run, method, seconds, error, .. } = self;
+        Trial { method, passes: run.passes(), seconds, error, expected_seconds }
+    }
+}
