@@ -166,7 +166,8 @@ fn check_weights(scene: &Arc<Scene>, weighting: Weighting) -> [u32; 3] {
             {
                 let hits = std::iter::once(point).chain(camera[..i].iter().rev().map(|vertex| vertex.hit)).collect();
                 let path = WholePath { scene, hits, camera: scene.camera.position() };
-                let found = weighting.direct(&at.sums, reflected.pdf, reflected.cosine, &sample, acceptance);
+                let found =
+                    weighting.direct(&at.sums, at.pdf(scene, &reflected), reflected.cosine, &sample, acceptance);
                 assert_near(found, path.weight(&weighting, (1, i, false)), "light sampling");
                 checked[0] += 1;
             }
@@ -181,7 +182,7 @@ fn check_weights(scene: &Arc<Scene>, weighting: Weighting) -> [u32; 3] {
                 {
                     let found = weighting.connection(
                         [&at.sums, &to.sums],
-                        [here.pdf, there.pdf],
+                        [at.pdf(scene, &here), to.pdf(scene, &there)],
                         [here.cosine, there.cosine],
                         between.length_squared(),
                         acceptance,
@@ -218,10 +219,10 @@ fn merge_at(
     end.hit.outgoing = -direction;
     let towards_light = to.hit.outgoing;
     let there = end.reflect(scene, TransportMode::Radiance, towards_light)?;
-    let scattered = weighting.scatter(&at.sums, here.pdf, here.cosine);
+    let scattered = weighting.scatter(&at.sums, at.pdf(scene, &here), here.cosine);
     let cosine = direction.dot(to.hit.geometric_normal).abs();
     let sums = weighting.arrive(&scattered, at.hit.position.distance_squared(to.hit.position), cosine);
-    let found = weighting.merged([&sums, &to.sums], there.pdf, acceptance);
+    let found = weighting.merged([&sums, &to.sums], end.pdf(scene, &there), acceptance);
     let path = joined(scene, light, camera)?;
     Some((found, path.weight(&weighting, (light.len(), camera.len() + 1, true))))
 }

@@ -1,5 +1,5 @@
 //! Pictures with further layers. What the first surface is like follows from the scene alone: the coordinator looks
-//! itself when someone asks, once a scene, and keeps what it saw. It is the only place where it traces rays.
+//! itself when someone asks, once a scene, and keeps what it saw. No other picture comes from the coordinator.
 
 use std::sync::{Arc, Mutex};
 

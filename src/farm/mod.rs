@@ -3,8 +3,8 @@
 //! # One pass, from lease to picture
 //!
 //! 1. A user uploads a scene and submits a job. The [coordinator](CoordinatorHandle) checks both and queues the job in the
-//!    [`schedule`]. It never traces a path; only for [layers](CoordinatorHandle::picture_with_layers) it looks at first
-//!    surfaces.
+//!    [`schedule`]. It traces no path of a job; only for [layers](CoordinatorHandle::picture_with_layers) it looks at first
+//!    surfaces, and where the method is `auto` it lets methods try a small picture ([`request`]).
 //! 2. A [worker](worker) registers over [HTTP](server) and asks for a lease. The first work of a job is its **pilot**:
 //!    first gather radii and the counted cost of a pass. From that follows the [plan](plan), how passes are cut into shards
 //!    and epochs. It depends on the scene and the job alone, never on workers or time.

@@ -58,7 +58,11 @@ pub fn direct_light(
     if carried == Rgb::ZERO || !is_open(scene, camera, light.direction, light.distance, counters) {
         return Rgb::ZERO;
     }
-    let weight = walk.weighting.direct(&camera.sums, reflected.pdf, reflected.cosine, &light, acceptance);
+    let pdf = match walk.weighting.is_one_ended() {
+        true => camera.forward_pdf(scene, &reflected),
+        false => camera.pdf(scene, &reflected),
+    };
+    let weight = walk.weighting.direct(&camera.sums, pdf, reflected.cosine, &light, acceptance);
     walk.selection.shown(carried, weight)
 }
 
@@ -88,7 +92,7 @@ pub fn connect(
     }
     let weight = walk.weighting.connection(
         [&camera.sums, &light.sums],
-        [at_camera.pdf, at_light.pdf],
+        [camera.pdf(walk.scene, &at_camera), light.pdf(walk.scene, &at_light)],
         [at_camera.cosine, at_light.cosine],
         distance_squared,
         acceptance,
@@ -142,7 +146,13 @@ pub fn to_camera(
         return None;
     }
     let density = [per_pixel, reflected.cosine / distance_squared];
-    Some(SeenVertex { film: seen.film, radiance, density, reverse: reflected.pdf.reverse, sums: light.sums })
+    Some(SeenVertex {
+        film: seen.film,
+        radiance,
+        density,
+        reverse: light.pdf(scene, &reflected).reverse,
+        sums: light.sums,
+    })
 }
 
 /// What a merge needs of a photon, in the order of the map.

@@ -27,10 +27,10 @@ pub struct Reflected {
     /// The BSDF with the cosine factor of its mode: with the shading normal for radiance; for flux with the true normal and the
     /// shading correction [Veach 1997, eq. 5.19].
     pub value: Rgb,
-    /// Densities of the direction, and of the way back.
-    pub pdf: Densities,
     /// Cosine between the direction and the true normal, positive.
     pub cosine: f32,
+    view: View,
+    incident: Vec3,
 }
 
 /// The densities of a scattering from `view` to the local direction `incident`, and back.
@@ -70,7 +70,20 @@ impl Vertex {
             TransportMode::Radiance => incident.z.abs(),
             TransportMode::Flux => (cosine_in * view.outgoing.z / cosine_out).abs(),
         };
-        let pdf = densities(scene, hit, &view, incident);
-        Some(Reflected { value: value * factor, pdf, cosine: cosine_in.abs() })
+        Some(Reflected { value: value * factor, cosine: cosine_in.abs(), view, incident })
+    }
+
+    /// Densities of the direction of what it reflects, and of the way back. Only weights need them, and only where nothing is
+    /// in the way.
+    #[inline]
+    pub fn pdf(&self, scene: &Scene, reflected: &Reflected) -> Densities {
+        densities(scene, &self.hit, &reflected.view, reflected.incident)
+    }
+
+    /// The same where nothing but the density of the direction matters.
+    #[inline]
+    pub fn forward_pdf(&self, scene: &Scene, reflected: &Reflected) -> Densities {
+        let forward = scene.material(self.hit.shape).pdf(&reflected.view, reflected.incident);
+        Densities { forward, reverse: 0.0 }
     }
 }
