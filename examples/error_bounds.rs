@@ -96,8 +96,8 @@ const HEADER: &str = "\
 Made by `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md` (a quarter of an hour on one core).
 
 Every job makes two independent pictures, of its even and of its odd passes. Their difference gives the noise of the mean, in relMSE; what is found inside half of
-each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is 1.3 times the estimate
-plus 1.645 standard deviations of it over blocks of 16 × 16 pixels, and is meant to hold in 95 % of pictures. 1.3 is a
+each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is 1.5 times the estimate
+plus 1.645 standard deviations of it over blocks of 16 × 16 pixels, and is meant to hold in 95 % of pictures. 1.5 is a
 margin for Y, which an estimate without a reference must smooth: errors of dark pixels beside bright ones then look smaller than they are.
 
 It can only tell what its passes have seen. While the rare paths that carry much light have not been met (path tracing of caustics, light through a

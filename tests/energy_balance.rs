@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use photonfarm::math::Vec3;
-use photonfarm::math::random::Stream;
+use photonfarm::math::random::{PassRandom, Stream};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
 use photonfarm::scene::import::load_file;
@@ -23,14 +23,13 @@ const PATHS: u32 = 100_000;
 
 /// Mean flux stored per path and its standard error, W. `most_segments` limits the segments of a stored photon.
 fn stored_flux(scene: &Scene, most_segments: Option<u32>) -> (f64, f64) {
+    let random = PassRandom::of_paths(5, Stream::Photon, 0, PATHS);
     let settings = PhotonSettings {
         // A photon leaves one segment to the camera.
         limits: Limits { max_depth: most_segments.map(|segments| segments + 1), rr_depth: 1 },
         first_stored_segment: 1,
         narrow_takes_all: false,
-        seed: 5,
-        stream: Stream::Photon,
-        pass: 0,
+        random: &random,
         paths: PATHS,
     };
     let (mut photons, mut counters) = (Vec::new(), Counters::default());

@@ -8,7 +8,7 @@ use std::f32::consts::PI;
 use std::sync::Arc;
 
 use photonfarm::math::Vec3;
-use photonfarm::math::random::dimension;
+use photonfarm::math::random::{PassRandom, PathRandom, Stream, dimension};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Interaction;
 use photonfarm::scene::light::SeenPoint;
@@ -110,11 +110,13 @@ impl WholePath<'_> {
 /// Subpaths of one index, and the light's own point.
 fn subpaths(scene: &Scene, weighting: Weighting, index: u32) -> (Vec<Vertex>, Vec<Vertex>) {
     let limits = Limits { max_depth: Some(6), rr_depth: 100 };
-    let light_walk = LightWalk { scene, limits, weighting, seed: 3, pass: 0, paths: 1 << 16 };
+    let random = PassRandom::of_paths(3, Stream::Photon, 0, 1 << 16);
+    let light_walk = LightWalk { scene, limits, weighting, random: &random };
     let selection = Selection::default();
-    let camera_walk = CameraWalk { scene, limits, weighting, selection, seed: 3, pass: 0 };
+    let random = PassRandom::of_pixels(3, Stream::Camera, 0);
+    let camera_walk = CameraWalk { scene, limits, weighting, selection, random: &random };
     let (mut light, mut camera, mut counters) = (Vec::new(), Vec::new(), Counters::default());
-    light_walk.trace(index, &mut counters, |vertex, _| light.push(*vertex));
+    light_walk.trace(index, &mut counters, |vertex, _, _| light.push(*vertex));
     camera_walk.trace(index, weighting.acceptance(RADIUS_SQUARED), &mut counters, |vertex, _, _| {
         camera.push(*vertex);
         Vec3::ZERO
@@ -148,16 +150,7 @@ fn check_weights(scene: &Arc<Scene>, weighting: Weighting) -> [u32; 3] {
         for i in 1..=camera.len().min(3) {
             let at = &camera[i - 1];
             // Light sampling.
-            let u = CameraWalk {
-                scene,
-                limits: Limits { max_depth: None, rr_depth: 1 },
-                weighting,
-                selection: Selection::default(),
-                seed: 3,
-                pass: 0,
-            }
-            .random(index)
-            .block(dimension::light(i as u32));
+            let u = PathRandom::new(3, Stream::Camera, 0, index).block(dimension::light(i as u32));
             let sample = scene.lights.sample_direct(&scene.geometry, at.hit.position, [u[0], u[1], u[2]]);
             if let Some(sample) = sample
                 && let Some(reflected) = at.reflect(scene, TransportMode::Radiance, sample.direction)

@@ -19,7 +19,7 @@ const FLOOR: f64 = 1e-3;
 /// Pixels on each side of one that may be averaged for Y.
 const REACHES: [usize; 5] = [0, 1, 2, 3, 5];
 /// Y is the mean of the smallest neighbourhood whose mean has at most this relative variance.
-const KNOWN: f64 = 0.02;
+const KNOWN: f64 = 0.05;
 /// Errors in blocks of this many pixels on a side count as independent.
 const BLOCK: usize = 16;
 /// How often a bound holds.
@@ -28,7 +28,7 @@ pub const CONFIDENCE: f64 = 0.95;
 const DEVIATIONS: f64 = 1.645;
 /// Averaging makes the error of dark pixels beside bright ones look smaller: by up to this factor for the whole picture on our
 /// references (docs/ERROR-BOUNDS.md).
-const MARGIN: f64 = 1.3;
+const MARGIN: f64 = 1.5;
 
 /// A picture's error as its own passes tell it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,13 @@
 //! Counter-based random numbers: every number is a pure function of its address (seed, stream, pass, path, block).
 //!
 //! One block gives four numbers; a path vertex uses one or two blocks. The first blocks of a path, which decide most, come
-//! from a scrambled [`Sequence`] that spreads them evenly over the paths of all passes; the later ones from Philox4x32 with
+//! from scrambled [`Sequences`] that spread them evenly over the paths of all passes; the later ones from Philox4x32 with
 //! 7 rounds [Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3"], the fewest that pass BigCrush. Even and odd
 //! passes have sequences of their own, independent of each other: a job's two twins.
 
 mod sequence;
 
-use sequence::Sequence;
+use sequence::{BLOCKS, Sample, Sequences};
 
 /// What a family of paths is for; keeps their numbers apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +25,61 @@ pub enum Stream {
     FirstSurface = 4,
 }
 
+/// The numbers of a pass: paths whose first blocks are spread evenly among each other.
+#[derive(Clone, Debug)]
+pub struct PassRandom {
+    key: [u32; 2],
+    stream: u32,
+    pass: u32,
+    spread: Spread,
+}
+
+/// What is spread evenly.
+#[derive(Clone, Debug)]
+enum Spread {
+    /// The passes of each pixel: one sample, shifted for each pixel.
+    Passes(Sample),
+    /// All paths of all passes: samples from this one on.
+    Paths(Box<Sequences>, u32),
+}
+
+impl PassRandom {
+    /// Pass `pass` of `stream` with one path a pixel: each pixel's passes are spread evenly.
+    pub fn of_pixels(seed: u64, stream: Stream, pass: u32) -> Self {
+        let (key, sequences) = (key(seed), [0, 0, 0, SEQUENCES | stream as u32 | (pass & 1) << 8]);
+        let sample = Sequences::new(key, sequences).sample(pass >> 1);
+        Self { key, stream: stream as u32, pass, spread: Spread::Passes(sample) }
+    }
+
+    /// Pass `pass` of `stream`, which has `paths` paths: all paths of all passes are spread evenly together.
+    pub fn of_paths(seed: u64, stream: Stream, pass: u32, paths: u32) -> Self {
+        let first = u64::from(pass >> 1) * u64::from(paths);
+        // Indices have 32 bits: another randomization follows when they are used up.
+        let (key, sequences) = (key(seed), [1, (first >> 32) as u32, 0, SEQUENCES | stream as u32 | (pass & 1) << 8]);
+        let spread = Spread::Paths(Box::new(Sequences::new(key, sequences)), first as u32);
+        Self { key, stream: stream as u32, pass, spread }
+    }
+
+    /// The numbers of a path: the pixel's index, or that of the path in the pass.
+    #[inline]
+    pub fn path(&self, path: u32) -> PathRandom {
+        let Self { key, stream, pass, .. } = *self;
+        let (spread, shift) = match &self.spread {
+            Spread::Passes(sample) => (*sample, Some(SHIFTS | stream | (pass & 1) << 8)),
+            Spread::Paths(sequences, first) => (sequences.sample(first.wrapping_add(path)), None),
+        };
+        PathRandom { key, stream, pass, path, spread, spread_blocks: BLOCKS as u32, shift }
+    }
+}
+
+/// Keeps the matrices of sequences and the shifts of pixels apart from the numbers of paths.
+const SEQUENCES: u32 = 1 << 31;
+const SHIFTS: u32 = 1 << 30;
+
+fn key(seed: u64) -> [u32; 2] {
+    [seed as u32, (seed >> 32) as u32]
+}
+
 /// The numbers of one path.
 #[derive(Clone, Copy, Debug)]
 pub struct PathRandom {
@@ -32,52 +87,45 @@ pub struct PathRandom {
     stream: u32,
     pass: u32,
     path: u32,
-    sequence: Sequence,
+    spread: Sample,
+    /// How many of the first blocks are spread evenly.
+    spread_blocks: u32,
+    /// Where the pixel's own shift of these stands.
+    shift: Option<u32>,
 }
 
 impl PathRandom {
-    /// The numbers of path `path` of pass `pass` in `stream`; the passes of a path are spread evenly.
+    /// Numbers of path `path` of pass `pass` in `stream` that are independent of all others.
     pub fn new(seed: u64, stream: Stream, pass: u32, path: u32) -> Self {
-        Self::of_sample(seed, stream, pass, path, [path, 0], pass >> 1)
+        let (key, stream) = (key(seed), stream as u32);
+        Self { key, stream, pass, path, spread: Sample::default(), spread_blocks: 0, shift: None }
     }
 
-    /// The numbers of path `path` of the `paths` that pass `pass` has in `stream`; all paths of all passes are spread
-    /// evenly together.
-    pub fn among(seed: u64, stream: Stream, pass: u32, path: u32, paths: u32) -> Self {
-        let sample = u64::from(pass >> 1) * u64::from(paths) + u64::from(path);
-        Self::of_sample(seed, stream, pass, path, [0, 1 + (sample >> 32) as u32], sample as u32)
-    }
-
-    fn of_sample(seed: u64, stream: Stream, pass: u32, path: u32, family: [u32; 2], sample: u32) -> Self {
-        let key = [seed as u32, (seed >> 32) as u32];
-        let stream = stream as u32;
-        let address = [family[0], family[1], 0, SEQUENCES | stream | (pass & 1) << 8];
-        let sequence = Sequence::new(philox::<7>(address, key), sample);
-        Self { key, stream, pass, path, sequence }
-    }
-
-    /// The numbers of branch `index` (below 2²³ - 1) of this path, where it splits. A branch does not split again.
+    /// The numbers of branch `index` (below 2²² - 1) of this path, where it splits. A branch does not split again.
     pub fn branch(&self, index: u32) -> Self {
-        Self { stream: self.stream & 0xff | (index + 1) << 8, ..*self }
+        Self { stream: self.stream & 0xff | (index + 1) << 8, spread_blocks: 0, ..*self }
     }
 
-    /// Four numbers in [0, 1), multiples of 2⁻²⁴. The first two are a point of the unit square that is spread evenly, and so
+    /// Four numbers in [0, 1), multiples of 2⁻²⁴. The first two are a point of the unit square that may be spread evenly, and so
     /// are the last two.
     #[inline]
     pub fn block(&self, block: u32) -> [f32; 4] {
-        let bits = if block < SPREAD_BLOCKS && self.stream < 0x100 {
-            self.sequence.block(block)
+        let independent = |pass, stream| philox::<7>([self.path, pass, block, stream], self.key);
+        let bits = if block >= self.spread_blocks {
+            independent(self.pass, self.stream)
         } else {
-            philox::<7>([self.path, self.pass, block, self.stream], self.key)
+            let spread = self.spread[block as usize].to_array();
+            match self.shift {
+                None => spread,
+                Some(stream) => {
+                    let shift = independent(0, stream);
+                    [0, 1, 2, 3].map(|number| spread[number] ^ shift[number])
+                }
+            }
         };
         bits.map(|bits| (bits >> 8) as f32 * (1.0 / 16_777_216.0))
     }
 }
-
-/// Blocks that are spread evenly: those of the first two vertices. Later ones decide too little by themselves to pay.
-const SPREAD_BLOCKS: u32 = 8;
-/// Keeps the keys of sequences apart from the numbers of paths.
-const SEQUENCES: u32 = 1 << 31;
 
 /// Point `index` of `count` that are spread evenly over the unit square (Hammersley's), all shifted by two numbers in
 /// [0, 1) round its borders: with a random shift each alone is uniform.
@@ -99,12 +147,12 @@ pub mod dimension {
 
     /// Scattering at path vertex `vertex`: two for the direction, lobe, roulette.
     pub const fn scattering(vertex: u32) -> u32 {
-        2 + 2 * vertex
+        2 * vertex
     }
 
     /// Light sampling at path vertex `vertex`: two for the position, light choice.
     pub const fn light(vertex: u32) -> u32 {
-        3 + 2 * vertex
+        1 + 2 * vertex
     }
 }
 

@@ -16,7 +16,7 @@ use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
 use crate::math::Rgb;
-use crate::math::random::dimension;
+use crate::math::random::{PassRandom, Stream, dimension};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
     CameraWalk, LightWalk, MergeRecord, Merging, Selection, StoredVertex, Techniques, Vertex, Weighting, connect,
@@ -142,18 +142,13 @@ impl BidirectionalPasses {
         self.weighting.techniques.any(techniques)
     }
 
-    fn light_walk(&self, pass: &Pass<'_>) -> LightWalk<'_> {
-        let Self { limits, weighting, seed, light_paths: paths, .. } = *self;
-        LightWalk { scene: &self.scene, limits, weighting, seed, pass: pass.index, paths }
-    }
-
-    fn camera_walk(&self, pass: &Pass<'_>) -> CameraWalk<'_> {
-        let Self { mut limits, weighting, selection, seed, .. } = *self;
+    fn camera_walk<'a>(&'a self, random: &'a PassRandom) -> CameraWalk<'a> {
+        let Self { mut limits, weighting, selection, .. } = *self;
         if weighting.techniques == Techniques::CAMERA {
             // All that is left to camera subpaths is light that is seen directly.
             limits.max_depth = Some(1);
         }
-        CameraWalk { scene: &self.scene, limits, weighting, selection, seed, pass: pass.index }
+        CameraWalk { scene: &self.scene, limits, weighting, selection, random }
     }
 
     /// ηᵝ of a pixel, counted in the region.
@@ -167,13 +162,12 @@ impl BidirectionalPasses {
     }
 
     /// Traces the light subpaths `paths`.
-    fn light_chunk(&self, pass: &Pass<'_>, paths: Range<u32>) -> LightChunk {
-        let walk = self.light_walk(pass);
+    fn light_chunk(&self, pass: &Pass<'_>, random: &PassRandom, paths: Range<u32>) -> LightChunk {
+        let walk = LightWalk { scene: &self.scene, limits: self.limits, weighting: self.weighting, random };
         let mut chunk = LightChunk::default();
         let LightChunk { vertices, ends, photons, splats, counters } = &mut chunk;
         for path in paths {
-            let random = walk.random(path);
-            walk.trace(path, counters, |vertex, counters| {
+            walk.trace(path, counters, |vertex, random, counters| {
                 if self.uses(Techniques::CAMERA) {
                     let [lens_x, lens_y, _, _] = random.block(dimension::light(vertex.segments));
                     self.splat(&walk, pass, vertex, [lens_x, lens_y], splats, counters);
@@ -222,12 +216,13 @@ impl BidirectionalPasses {
         total: &mut Counters,
         cancel: &AtomicBool,
     ) -> Option<LightPaths> {
+        let random = PassRandom::of_paths(self.seed, Stream::Photon, pass.index, self.light_paths);
         let chunks: Option<Vec<LightChunk>> = (0..self.light_paths.div_ceil(PATHS_PER_CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let first = chunk * PATHS_PER_CHUNK;
                 let paths = first..self.light_paths.min(first.saturating_add(PATHS_PER_CHUNK));
-                (!cancel.load(Ordering::Relaxed)).then(|| self.light_chunk(pass, paths))
+                (!cancel.load(Ordering::Relaxed)).then(|| self.light_chunk(pass, &random, paths))
             })
             .collect();
         let mut chunks = chunks?;
@@ -325,7 +320,8 @@ impl PreparedMethod for BidirectionalPasses {
                 true => self.light_paths(pass, pixels, &mut total, cancel)?,
                 false => LightPaths::default(),
             };
-        let walk = self.camera_walk(pass);
+        let random = PassRandom::of_pixels(self.seed, Stream::Camera, pass.index);
+        let walk = self.camera_walk(&random);
         let width = self.scene.width as usize;
         let counters: Vec<Counters> = pixels
             .par_chunks_mut(width)

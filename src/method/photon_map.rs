@@ -47,7 +47,7 @@ use super::photon_pass::{PILOT_PASS, add_to_tally};
 use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
-use crate::math::random::{PathRandom, Stream, dimension, spread};
+use crate::math::random::{PassRandom, PathRandom, Stream, dimension, spread};
 use crate::scene::Scene;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::density_estimate::DensityEstimate;
@@ -223,13 +223,12 @@ struct Maps {
 impl TwoPasses {
     /// First pass: traces and sorts photons.
     fn trace_photons(&self, stream: Stream, pass: u32, cancel: &AtomicBool) -> Option<(Maps, Counters)> {
+        let random = PassRandom::of_paths(self.seed, stream, pass, self.photons_per_pass);
         let settings = PhotonSettings {
             limits: self.limits,
             first_stored_segment: 1,
             narrow_takes_all: false,
-            seed: self.seed,
-            stream,
-            pass,
+            random: &random,
             paths: self.photons_per_pass,
         };
         let (chunks, counters) = maps::trace(&self.scene, &settings, &self.grid(&self.global), cancel)?;
@@ -258,6 +257,7 @@ impl TwoPasses {
     ) -> Option<Counters> {
         let (maps, mut total) = self.trace_photons(streams[0], pass.index, cancel)?;
         let width = self.scene.width as usize;
+        let random = PassRandom::of_pixels(self.seed, streams[1], pass.index);
         let trace_row = |(row, tallies): (usize, &mut [PixelTally])| {
             let mut gathering = Gathering { method: self, maps: &maps, found: Nearest::default() };
             let mut counters = Counters::default();
@@ -266,7 +266,7 @@ impl TwoPasses {
             }
             let y = pass.region.row_start + row as u32;
             for (x, tally) in (0..).zip(tallies) {
-                let random = PathRandom::new(self.seed, streams[1], pass.index, y * self.scene.width + x);
+                let random = random.path(y * self.scene.width + x);
                 let radiance = gathering.pixel([x, y], &random, &mut counters);
                 add_to_tally(tally, pass, radiance, &Gathered::default(), &mut counters);
             }

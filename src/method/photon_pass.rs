@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::parameters::{Auto, DirectLight, ProgressiveParameters};
 use super::{CheckedMethod, MethodError, Pass};
 use crate::estimate::PixelTally;
-use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::math::{Rgb, octahedral};
 use crate::scene::Scene;
 use crate::scene::material::Lobes;
@@ -70,6 +70,7 @@ impl PhotonPasses {
         typical_radius_squared: f32,
         cancel: &AtomicBool,
     ) -> Option<(PhotonMap, Counters)> {
+        let random = PassRandom::of_paths(self.seed, stream, pass, self.photons_per_pass);
         let settings = PhotonSettings {
             limits: self.limits,
             first_stored_segment: match self.direct {
@@ -77,9 +78,7 @@ impl PhotonPasses {
                 DirectLight::Photons => 1,
             },
             narrow_takes_all: !self.follows_narrow,
-            seed: self.seed,
-            stream,
-            pass,
+            random: &random,
             paths: self.photons_per_pass,
         };
         let (low, high) = self.scene.geometry.bounds();
@@ -170,12 +169,13 @@ impl PhotonPasses {
     pub fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
         let (map, mut total) = self.pilot_map(cancel)?;
         let scene = &*self.scene;
+        let random = PassRandom::of_pixels(self.seed, Stream::PilotCamera, PILOT_PASS);
         let found: Vec<(Option<f32>, Counters)> = (0..scene.pixel_count())
             .into_par_iter()
             .with_min_len(1024)
             .map(|pixel| {
                 let mut counters = Counters::default();
-                let random = PathRandom::new(self.seed, Stream::PilotCamera, PILOT_PASS, pixel as u32);
+                let random = random.path(pixel as u32);
                 let mut last = None;
                 self.camera_path(&random, pixel, &mut counters, |point, _, counters| {
                     // Direct light will cost its rays too.

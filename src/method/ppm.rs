@@ -25,7 +25,7 @@ use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::{PixelTally, Region};
 use crate::math::octahedral;
-use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::math::trigonometry::sin_cos_turn;
 use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
@@ -293,6 +293,7 @@ impl Ppm {
         pass: &Pass<'_>,
         map: &PhotonMap,
         points: &[HitPoint],
+        random: &PassRandom,
         (first_point, radius_squared): (usize, f32),
         counters: &mut Counters,
     ) -> (Rgb, Gathered) {
@@ -300,8 +301,7 @@ impl Ppm {
         let share = 1.0 / self.samples_per_pixel as f32;
         for (index, hit_point) in points.iter().enumerate() {
             let point = hit_point.gather_point(self.error);
-            let path = (first_point + index) as u32;
-            let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, path);
+            let random = random.path((first_point + index) as u32);
             radiance += point.throughput * self.passes.direct_light(&point, &random, counters);
             gathered.add(&self.passes.gather(map, &point, radius_squared * pass.scale), point.throughput * share);
         }
@@ -316,6 +316,7 @@ impl PreparedMethod for Ppm {
         let (map, mut total) =
             self.passes.photon_map(Stream::Photon, pass.index, pass.typical_radius_squared, cancel)?;
         let width = self.passes.scene.width as usize;
+        let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         // Random numbers are addressed by the hit point's place in its row, which no region changes.
         let rows = pixels.par_chunks_mut(width).enumerate();
         let counters: Vec<Counters> = rows
@@ -331,7 +332,8 @@ impl PreparedMethod for Ppm {
                     let address = picture_pixel.wrapping_mul(MOST_POINTS_PER_PIXEL);
                     let radius = pass.radius_squared[pixel];
                     let points = &hit_points.points[range];
-                    let (radiance, gathered) = self.trace_pixel(pass, &map, points, (address, radius), &mut counters);
+                    let (radiance, gathered) =
+                        self.trace_pixel(pass, &map, points, &random, (address, radius), &mut counters);
                     let radiance = radiance + Rgb::from_array(hit_points.seen[pixel]);
                     add_to_tally(tally, pass, radiance, &gathered, &mut counters);
                 }

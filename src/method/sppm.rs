@@ -24,7 +24,7 @@ use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
 use crate::estimate::PixelTally;
-use crate::math::random::{PathRandom, Stream};
+use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::photon_map::{Gathered, PhotonMap};
@@ -67,15 +67,14 @@ impl Sppm {
         &self,
         pass: &Pass<'_>,
         map: &PhotonMap,
-        pixel: usize,
+        (pixel, random): (usize, &PathRandom),
         radius_squared: f32,
         tally: &mut PixelTally,
         counters: &mut Counters,
     ) {
-        let random = PathRandom::new(self.passes.seed, Stream::Camera, pass.index, pixel as u32);
         let mut gathered = Gathered::default();
-        let radiance = self.passes.camera_path(&random, pixel, counters, |point, radiance, counters| {
-            *radiance += point.throughput * self.passes.direct_light(point, &random, counters);
+        let radiance = self.passes.camera_path(random, pixel, counters, |point, radiance, counters| {
+            *radiance += point.throughput * self.passes.direct_light(point, random, counters);
             gathered.add(&self.passes.gather(map, point, radius_squared * pass.scale), point.throughput);
         });
         add_to_tally(tally, pass, radiance, &gathered, counters);
@@ -86,6 +85,7 @@ impl PreparedMethod for Sppm {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
         let (map, mut total) =
             self.passes.photon_map(Stream::Photon, pass.index, pass.typical_radius_squared, cancel)?;
+        let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         let width = self.passes.scene.width as usize;
         let first_pixel = pass.region.row_start as usize * width;
         let rows = pixels.par_chunks_mut(width).zip(pass.radius_squared.par_chunks(width)).enumerate();
@@ -97,7 +97,8 @@ impl PreparedMethod for Sppm {
                 }
                 for (column, (tally, radius)) in tallies.iter_mut().zip(radii).enumerate() {
                     let pixel = first_pixel + row * width + column;
-                    self.trace_pixel(pass, &map, pixel, *radius, tally, &mut counters);
+                    let path = (pixel, &random.path(pixel as u32));
+                    self.trace_pixel(pass, &map, path, *radius, tally, &mut counters);
                 }
                 counters
             })

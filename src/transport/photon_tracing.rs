@@ -1,7 +1,7 @@
 //! Photon paths: from a light through the scene, stored wherever a surface has a smooth lobe.
 
 use crate::math::octahedral;
-use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::random::{PassRandom, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::{Interaction, Ray};
 use crate::scene::material::{Lobes, TransportMode};
@@ -13,19 +13,15 @@ use super::shading;
 
 /// Which photons of a pass are traced and stored.
 #[derive(Clone, Copy, Debug)]
-pub struct PhotonSettings {
+pub struct PhotonSettings<'a> {
     /// Limits on the whole path; a photon leaves at least one segment to the camera.
     pub limits: Limits,
     /// Photons with fewer segments are not stored: 2 leaves direct light to sampling, 1 stores all.
     pub first_stored_segment: u32,
     /// Whether narrow lobes take all photons, or only those that just specular surfaces scattered.
     pub narrow_takes_all: bool,
-    /// Job seed.
-    pub seed: u64,
-    /// Family of random numbers.
-    pub stream: Stream,
-    /// Pass index.
-    pub pass: u32,
+    /// The pass's random numbers.
+    pub random: &'a PassRandom,
     /// Photon paths of a pass.
     pub paths: u32,
 }
@@ -34,12 +30,12 @@ pub struct PhotonSettings {
 #[inline]
 pub fn trace_photon(
     scene: &Scene,
-    settings: &PhotonSettings,
+    settings: &PhotonSettings<'_>,
     path: u32,
     photons: &mut Vec<Photon>,
     counters: &mut Counters,
 ) {
-    let random = PathRandom::among(settings.seed, settings.stream, settings.pass, path, settings.paths);
+    let random = settings.random.path(path);
     counters.photons_emitted += 1;
     let place = random.block(dimension::EMISSION);
     let direction = random.block(dimension::EMISSION_DIRECTION);

@@ -4,7 +4,7 @@ use super::selection::Selection;
 use super::vertex::{Vertex, reverse_pdf};
 use super::weights::{Densities, Sums, Techniques, Weighting};
 use crate::math::Rgb;
-use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::random::{PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::{Interaction, Ray};
 use crate::scene::material::{Lobes, TransportMode};
@@ -21,10 +21,8 @@ pub struct CameraWalk<'a> {
     pub weighting: Weighting,
     /// Which paths count.
     pub selection: Selection,
-    /// Job seed.
-    pub seed: u64,
-    /// Pass index.
-    pub pass: u32,
+    /// The pass's random numbers.
+    pub random: &'a PassRandom,
 }
 
 /// The last scattering of a walk.
@@ -37,12 +35,6 @@ struct Last {
 }
 
 impl CameraWalk<'_> {
-    /// The numbers of the camera subpath of a pixel.
-    #[inline]
-    pub fn random(&self, pixel: u32) -> PathRandom {
-        PathRandom::new(self.seed, Stream::Camera, self.pass, pixel)
-    }
-
     /// Traces the camera subpath of `pixel` (counted in the picture); each vertex with a lobe that has a density is shown to
     /// `visit`, which returns radiance. The radiance of all of them and of lights that were hit. `acceptance` is ηᵝ.
     #[inline]
@@ -54,7 +46,7 @@ impl CameraWalk<'_> {
         mut visit: impl FnMut(&Vertex, &PathRandom, &mut Counters) -> Rgb,
     ) -> Rgb {
         let scene = self.scene;
-        let random = self.random(pixel);
+        let random = self.random.path(pixel);
         let place = [pixel % scene.width, pixel / scene.width];
         let (mut ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
         let (mut throughput, mut index_squared, mut radiance) = (Rgb::splat(count), 1.0, Rgb::ZERO);

@@ -2,7 +2,7 @@
 
 use super::vertex::{Vertex, reverse_pdf};
 use super::weights::{Densities, Weighting};
-use crate::math::random::{PathRandom, Stream, dimension};
+use crate::math::random::{PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 use crate::scene::material::{Lobes, TransportMode};
@@ -17,26 +17,21 @@ pub struct LightWalk<'a> {
     pub limits: Limits,
     /// How techniques share a path.
     pub weighting: Weighting,
-    /// Job seed.
-    pub seed: u64,
-    /// Pass index.
-    pub pass: u32,
-    /// Light subpaths of a pass.
-    pub paths: u32,
+    /// The pass's random numbers.
+    pub random: &'a PassRandom,
 }
 
 impl LightWalk<'_> {
-    /// The numbers of light subpath `path`.
+    /// Traces light subpath `path` and shows each vertex with a lobe that has a density to `visit`, with the path's numbers.
     #[inline]
-    pub fn random(&self, path: u32) -> PathRandom {
-        PathRandom::among(self.seed, Stream::Photon, self.pass, path, self.paths)
-    }
-
-    /// Traces light subpath `path` and shows each vertex with a lobe that has a density to `visit`.
-    #[inline]
-    pub fn trace(&self, path: u32, counters: &mut Counters, mut visit: impl FnMut(&Vertex, &mut Counters)) {
+    pub fn trace(
+        &self,
+        path: u32,
+        counters: &mut Counters,
+        mut visit: impl FnMut(&Vertex, &PathRandom, &mut Counters),
+    ) {
         let scene = self.scene;
-        let random = self.random(path);
+        let random = self.random.path(path);
         counters.photons_emitted += 1;
         let place = random.block(dimension::EMISSION);
         let direction = random.block(dimension::EMISSION_DIRECTION);
@@ -65,7 +60,7 @@ impl LightWalk<'_> {
             };
             let material = scene.material(hit.shape);
             if material.lobes().any(Lobes::SMOOTH) {
-                visit(&Vertex { hit, throughput, sums, segments }, counters);
+                visit(&Vertex { hit, throughput, sums, segments }, &random, counters);
             }
             let u = random.block(dimension::scattering(segments));
             let view = shading::view(&hit, TransportMode::Flux);

@@ -39,7 +39,7 @@ fn cell_of(grid: &Grid, photon: &Photon) -> usize {
 /// Emits the photons of a pass and traces them; `None` when `cancel` was set meanwhile.
 pub fn trace(
     scene: &Scene,
-    settings: &PhotonSettings,
+    settings: &PhotonSettings<'_>,
     grid: &Grid,
     cancel: &AtomicBool,
 ) -> Option<(Vec<PhotonChunk>, Counters)> {
