@@ -160,7 +160,7 @@ fn glossy_corners_are_as_bright_as_by_path_tracing() {
         let truth = mean(&picture(&scene, "path", "{}", 512));
         for (method, passes) in [("sppm", 32), ("bdpt", 64), ("vcm", 32), ("ppm", 16)] {
             let seen = picture(&scene, method, &with_photons(method, 8192), passes);
-            // Four camera paths for ever are too few for a narrow lobe.
+            // It gathers in narrow lobes too, where few photons fall.
             let tolerance = if method == "ppm" { 0.25 } else { 0.04 };
             assert_close(mean(&seen), truth, tolerance, &format!("{method}: a corner of roughness {alpha}"));
             assert_below(brightest(&seen), 15.0, &format!("{method}: brightest pixel"));
