@@ -187,7 +187,8 @@ impl Estimate {
         let pixels = &self.pixels[start..start + region.pixel_count(self.width)];
         let merged = self.progress.iter().find(|progress| progress.region == region);
         RadiusField {
-            radius_squared: pixels.iter().map(|pixel| pixel.radius_squared as f32).collect(),
+            // Below that there is nothing to gather, and single precision has no such numbers: they would become 0.
+            radius_squared: pixels.iter().map(|pixel| (pixel.radius_squared as f32).max(f32::MIN_POSITIVE)).collect(),
             base_pass: match self.rule {
                 RadiusRule::Statistics => merged.map_or(0, RegionProgress::all_passes),
                 RadiusRule::Schedule => 0,
