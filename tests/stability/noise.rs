@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use photonfarm::estimate::Picture;
-use photonfarm::math::random::Stream;
+use photonfarm::math::random::{PassRandom, Stream};
 use photonfarm::scene::light::Light;
 use photonfarm::transport::photon_tracing::{PhotonSettings, trace_photon};
 use photonfarm::transport::{Counters, Limits};
@@ -99,13 +99,12 @@ fn no_photon_carries_more_than_was_sent_out() {
         glass,
         metal,
     ]);
+    let random = PassRandom::of_paths(3, Stream::Photon, 0, 50_000);
     let settings = PhotonSettings {
         limits: Limits { max_depth: None, rr_depth: 1 },
         first_stored_segment: 1,
         narrow_takes_all: true,
-        seed: 3,
-        stream: Stream::Photon,
-        pass: 0,
+        random: &random,
         paths: 50_000,
     };
     let (mut photons, mut counters) = (Vec::new(), Counters::default());
