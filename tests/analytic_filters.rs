@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use photonfarm::estimate::{Region, Shard, Tally};
 use photonfarm::method::{METHODS, SceneTraits, notices};
+use photonfarm::render::Renderer;
 use photonfarm::scene::Scene;
 use progressive::Job;
 use scene_text::prepare;
@@ -155,13 +156,13 @@ fn analytic_methods_agree_on_a_ringing_picture() {
         let job = Job::new(&scene, method, parameters);
         let start = job.begin();
         let field = start.radius_field(job.region());
-        // Each batch is a job of its own, made of the passes that a longer job would make there.
+        // Each batch is a job with a seed of its own: passes of one job are spread evenly, hence not independent.
         (0..8)
-            .map(|batch| {
-                let shard = Shard { first_pass: batch * 250, passes: 250, region: job.region() };
-                let mut tally = job.renderer.trace(shard, &field, &job.never).expect("nobody cancels");
+            .map(|seed| {
+                let renderer = Renderer::new(job.scene.clone(), &job.method, seed).expect("the method can be prepared");
+                let shard = Shard { first_pass: 0, passes: 250, region: job.region() };
+                let tally = renderer.trace(shard, &field, &job.never).expect("nobody cancels");
                 tally.check().expect("signs are possible");
-                tally.shard.first_pass = 0;
                 let mut estimate = start.clone();
                 estimate.merge(&tally, &field).expect("tallies come in order");
                 estimate.picture().radiance

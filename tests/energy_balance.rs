@@ -23,7 +23,7 @@ const PATHS: u32 = 100_000;
 
 /// Mean flux stored per path and its standard error, W. `most_segments` limits the segments of a stored photon.
 fn stored_flux(scene: &Scene, most_segments: Option<u32>) -> (f64, f64) {
-    let random = PassRandom::of_paths(5, Stream::Photon, 0, PATHS);
+    let random = PassRandom::independent(5, Stream::Photon, 0);
     let settings = PhotonSettings {
         // A photon leaves one segment to the camera.
         limits: Limits { max_depth: most_segments.map(|segments| segments + 1), rr_depth: 1 },

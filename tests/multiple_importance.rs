@@ -110,7 +110,7 @@ impl WholePath<'_> {
 /// Subpaths of one index, and the light's own point.
 fn subpaths(scene: &Scene, weighting: Weighting, index: u32) -> (Vec<Vertex>, Vec<Vertex>) {
     let limits = Limits { max_depth: Some(6), rr_depth: 100 };
-    let random = PassRandom::of_paths(3, Stream::Photon, 0, 1 << 16);
+    let random = PassRandom::independent(3, Stream::Photon, 0);
     let light_walk = LightWalk { scene, limits, weighting, random: &random };
     let selection = Selection::default();
     let random = PassRandom::of_pixels(3, Stream::Camera, 0);

@@ -1,13 +1,13 @@
 //! Counter-based random numbers: every number is a pure function of its address (seed, stream, pass, path, block).
 //!
-//! One block gives four numbers; a path vertex uses one or two blocks. The first blocks of a path, which decide most, come
-//! from scrambled [`Sequences`] that spread them evenly over the paths of all passes; the later ones from Philox4x32 with
-//! 7 rounds [Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3"], the fewest that pass BigCrush. Even and odd
-//! passes have sequences of their own, independent of each other: a job's two twins.
+//! One block gives four numbers; a path vertex uses one or two blocks. They come from Philox4x32 with 7 rounds [Salmon et al. 2011,
+//! "Parallel random numbers: as easy as 1, 2, 3"], the fewest that pass BigCrush. The first blocks of a camera path, which decide
+//! most, come from a scrambled [`Sequence`] that spreads them evenly over the passes of the pixel. Even and odd passes have
+//! sequences of their own, independent of each other: a job's two twins.
 
 mod sequence;
 
-use sequence::{BLOCKS, Sample, Sequences};
+use sequence::Sequence;
 
 /// What a family of paths is for; keeps their numbers apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,60 +25,42 @@ pub enum Stream {
     FirstSurface = 4,
 }
 
-/// The numbers of a pass: paths whose first blocks are spread evenly among each other.
-#[derive(Clone, Debug)]
+/// The numbers of a pass.
+#[derive(Clone, Copy, Debug)]
 pub struct PassRandom {
     key: [u32; 2],
     stream: u32,
     pass: u32,
-    spread: Spread,
-}
-
-/// What is spread evenly.
-#[derive(Clone, Debug)]
-enum Spread {
-    /// The passes of each pixel: one sample, shifted for each pixel.
-    Passes(Sample),
-    /// All paths of all passes: samples from this one on.
-    Paths(Box<Sequences>, u32),
+    is_spread: bool,
 }
 
 impl PassRandom {
-    /// Pass `pass` of `stream` with one path a pixel: each pixel's passes are spread evenly.
+    /// Pass `pass` of `stream` with one path a pixel: the first blocks of each pixel's passes are spread evenly, independently of other
+    /// pixels.
     pub fn of_pixels(seed: u64, stream: Stream, pass: u32) -> Self {
-        let (key, sequences) = (key(seed), [0, 0, 0, SEQUENCES | stream as u32 | (pass & 1) << 8]);
-        let sample = Sequences::new(key, sequences).sample(pass >> 1);
-        Self { key, stream: stream as u32, pass, spread: Spread::Passes(sample) }
+        Self { is_spread: true, ..Self::independent(seed, stream, pass) }
     }
 
-    /// Pass `pass` of `stream`, which has `paths` paths: all paths of all passes are spread evenly together.
-    pub fn of_paths(seed: u64, stream: Stream, pass: u32, paths: u32) -> Self {
-        let first = u64::from(pass >> 1) * u64::from(paths);
-        // Indices have 32 bits: another randomization follows when they are used up.
-        let (key, sequences) = (key(seed), [1, (first >> 32) as u32, 0, SEQUENCES | stream as u32 | (pass & 1) << 8]);
-        let spread = Spread::Paths(Box::new(Sequences::new(key, sequences)), first as u32);
-        Self { key, stream: stream as u32, pass, spread }
+    /// Pass `pass` of `stream` with paths that are independent of each other, as photons must be: many pixels share them, and
+    /// evenly spread ones made errors that pixels share too.
+    pub fn independent(seed: u64, stream: Stream, pass: u32) -> Self {
+        Self { key: [seed as u32, (seed >> 32) as u32], stream: stream as u32, pass, is_spread: false }
     }
 
     /// The numbers of a path: the pixel's index, or that of the path in the pass.
     #[inline]
     pub fn path(&self, path: u32) -> PathRandom {
-        let Self { key, stream, pass, .. } = *self;
-        let (spread, shift) = match &self.spread {
-            Spread::Passes(sample) => (*sample, Some(SHIFTS | stream | (pass & 1) << 8)),
-            Spread::Paths(sequences, first) => (sequences.sample(first.wrapping_add(path)), None),
-        };
-        PathRandom { key, stream, pass, path, spread, spread_blocks: BLOCKS as u32, shift }
+        let Self { key, stream, pass, is_spread } = *self;
+        let address = [path, 0, 0, SEQUENCES | stream | (pass & 1) << 8];
+        let sequence = is_spread.then(|| Sequence::new(philox::<7>(address, key), pass >> 1));
+        PathRandom { key, stream, pass, path, sequence }
     }
 }
 
-/// Keeps the matrices of sequences and the shifts of pixels apart from the numbers of paths.
+/// Blocks that are spread evenly: those of the first two vertices. Later ones decide too little by themselves to pay.
+const SPREAD_BLOCKS: u32 = 6;
+/// Keeps the keys of sequences apart from the numbers of paths.
 const SEQUENCES: u32 = 1 << 31;
-const SHIFTS: u32 = 1 << 30;
-
-fn key(seed: u64) -> [u32; 2] {
-    [seed as u32, (seed >> 32) as u32]
-}
 
 /// The numbers of one path.
 #[derive(Clone, Copy, Debug)]
@@ -87,41 +69,28 @@ pub struct PathRandom {
     stream: u32,
     pass: u32,
     path: u32,
-    spread: Sample,
-    /// How many of the first blocks are spread evenly.
-    spread_blocks: u32,
-    /// Where the pixel's own shift of these stands.
-    shift: Option<u32>,
+    /// Of which the first blocks come.
+    sequence: Option<Sequence>,
 }
 
 impl PathRandom {
     /// Numbers of path `path` of pass `pass` in `stream` that are independent of all others.
     pub fn new(seed: u64, stream: Stream, pass: u32, path: u32) -> Self {
-        let (key, stream) = (key(seed), stream as u32);
-        Self { key, stream, pass, path, spread: Sample::default(), spread_blocks: 0, shift: None }
+        PassRandom::independent(seed, stream, pass).path(path)
     }
 
-    /// The numbers of branch `index` (below 2²² - 1) of this path, where it splits. A branch does not split again.
+    /// The numbers of branch `index` (below 2²³ - 1) of this path, where it splits. A branch does not split again.
     pub fn branch(&self, index: u32) -> Self {
-        Self { stream: self.stream & 0xff | (index + 1) << 8, spread_blocks: 0, ..*self }
+        Self { stream: self.stream & 0xff | (index + 1) << 8, sequence: None, ..*self }
     }
 
     /// Four numbers in [0, 1), multiples of 2⁻²⁴. The first two are a point of the unit square that may be spread evenly, and so
     /// are the last two.
     #[inline]
     pub fn block(&self, block: u32) -> [f32; 4] {
-        let independent = |pass, stream| philox::<7>([self.path, pass, block, stream], self.key);
-        let bits = if block >= self.spread_blocks {
-            independent(self.pass, self.stream)
-        } else {
-            let spread = self.spread[block as usize].to_array();
-            match self.shift {
-                None => spread,
-                Some(stream) => {
-                    let shift = independent(0, stream);
-                    [0, 1, 2, 3].map(|number| spread[number] ^ shift[number])
-                }
-            }
+        let bits = match self.sequence {
+            Some(sequence) if block < SPREAD_BLOCKS => sequence.block(block),
+            _ => philox::<7>([self.path, self.pass, block, self.stream], self.key),
         };
         bits.map(|bits| (bits >> 8) as f32 * (1.0 / 16_777_216.0))
     }

@@ -216,7 +216,7 @@ impl BidirectionalPasses {
         total: &mut Counters,
         cancel: &AtomicBool,
     ) -> Option<LightPaths> {
-        let random = PassRandom::of_paths(self.seed, Stream::Photon, pass.index, self.light_paths);
+        let random = PassRandom::independent(self.seed, Stream::Photon, pass.index);
         let chunks: Option<Vec<LightChunk>> = (0..self.light_paths.div_ceil(PATHS_PER_CHUNK))
             .into_par_iter()
             .map(|chunk| {

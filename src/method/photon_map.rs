@@ -223,7 +223,7 @@ struct Maps {
 impl TwoPasses {
     /// First pass: traces and sorts photons.
     fn trace_photons(&self, stream: Stream, pass: u32, cancel: &AtomicBool) -> Option<(Maps, Counters)> {
-        let random = PassRandom::of_paths(self.seed, stream, pass, self.photons_per_pass);
+        let random = PassRandom::independent(self.seed, stream, pass);
         let settings = PhotonSettings {
             limits: self.limits,
             first_stored_segment: 1,

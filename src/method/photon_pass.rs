@@ -70,7 +70,7 @@ impl PhotonPasses {
         typical_radius_squared: f32,
         cancel: &AtomicBool,
     ) -> Option<(PhotonMap, Counters)> {
-        let random = PassRandom::of_paths(self.seed, stream, pass, self.photons_per_pass);
+        let random = PassRandom::independent(self.seed, stream, pass);
         let settings = PhotonSettings {
             limits: self.limits,
             first_stored_segment: match self.direct {

@@ -99,7 +99,7 @@ fn no_photon_carries_more_than_was_sent_out() {
         glass,
         metal,
     ]);
-    let random = PassRandom::of_paths(3, Stream::Photon, 0, 50_000);
+    let random = PassRandom::independent(3, Stream::Photon, 0);
     let settings = PhotonSettings {
         limits: Limits { max_depth: None, rr_depth: 1 },
         first_stored_segment: 1,
