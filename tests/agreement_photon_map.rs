@@ -184,7 +184,8 @@ fn analytic_bounces_in_a_sphere() {
                 format!(r#"{{"photons_per_pass": 50000, "max_depth": {max_depth}, "final_gather": {rays}}}"#);
             let mean = mean(&Job::new(&scene, "photon_map", &parameters).run(12, 8));
             let expected = direct * bounces;
-            let bound = 0.005 * expected;
+            // Noise and the bias of the nearest photons together were up to 0.5 %.
+            let bound = 0.0075 * expected;
             assert!((mean - expected).abs() <= bound, "{max_depth} segments, {rays} rays: {mean} is not {expected}");
         }
     }
