@@ -10,6 +10,12 @@ const SIZE: Point = [640.0, 400.0];
 const MARGINS: [f64; 4] = [76.0, 76.0, 20.0, 48.0];
 const TEXT: f64 = 12.0;
 
+/// A name and what it shows of an estimate.
+type Shown = (&'static str, fn(&ErrorEstimate) -> f64);
+
+const CURVES: [Shown; 3] =
+    [("bound", |error| error.bound), ("noise", |error| error.noise), ("bias", |error| error.bias)];
+
 /// A job's error at some time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JobPoint {
@@ -50,11 +56,9 @@ pub fn draw_job(title: &str, points: &[JobPoint], wanted: Option<f64>) -> Drawin
         drawing.dashed_line(&[[x.pixels[0], place], [x.pixels[1], place]], INK, 1.0);
         drawing.text([x.pixels[1] - 4.0, place - 9.0], "stops here", TEXT - 1.0, INK, Anchor::End);
     }
-    let curves: [(&str, fn(&ErrorEstimate) -> f64); 3] =
-        [("bound", |error| error.bound), ("noise", |error| error.noise), ("bias", |error| error.bias)];
-    let styles = style::assign(curves.iter().map(|(label, _)| (false, (*label).to_owned())));
+    let styles = style::assign(CURVES.iter().map(|(label, _)| (false, (*label).to_owned())));
     let mut left = 14.0;
-    for ((label, value), (_, style)) in curves.into_iter().zip(styles) {
+    for ((label, value), (_, style)) in CURVES.iter().copied().zip(styles) {
         let places: Vec<Point> = points
             .iter()
             .filter(|point| value(&point.error) >= y.low)
