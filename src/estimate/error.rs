@@ -87,10 +87,7 @@ impl Estimate {
         let start = progress.region.row_start as usize * self.width as usize;
         for index in start..start + progress.region.pixel_count(self.width) {
             let sums = [&self.twins[0][index], &self.twins[1][index]];
-            let radiance = [0, 1].map(|twin| {
-                let (sums, scale) = (sums[twin], scales[twin]);
-                [0, 1, 2].map(|c| sums.radiance[c] * scale.per_pass + sums.flux_density[c] * scale.per_photon)
-            });
+            let radiance = [0, 1].map(|twin| sums[twin].mean_radiance(scales[twin]));
             let bias = [0, 1].map(|twin| {
                 let outer = sums[twin].flux_density.iter().sum::<f64>() / 3.0;
                 2.0 * (outer - 2.0 * sums[twin].inner_flux_density) * scales[twin].per_photon

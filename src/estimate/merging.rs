@@ -41,6 +41,13 @@ pub struct PixelSums {
     pub inner_flux_density: f64,
 }
 
+impl PixelSums {
+    /// The picture's radiance, W·sr⁻¹·m⁻².
+    pub fn mean_radiance(&self, scale: Scale) -> [f64; 3] {
+        [0, 1, 2].map(|channel| self.radiance[channel] * scale.per_pass + self.flux_density[channel] * scale.per_photon)
+    }
+}
+
 /// How far a region has come.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionProgress {
@@ -219,11 +226,7 @@ impl Estimate {
             let range = start..start + progress.region.pixel_count(self.width);
             let Some(scale) = progress.scale(twins) else { continue };
             for (index, output) in range.clone().zip(&mut radiance[range]) {
-                let sums = self.sums(index, twins);
-                for (channel, value) in output.iter_mut().enumerate() {
-                    *value = (sums.radiance[channel] * scale.per_pass + sums.flux_density[channel] * scale.per_photon)
-                        as f32;
-                }
+                *output = self.sums(index, twins).mean_radiance(scale).map(|value| value as f32);
             }
         }
         Picture { width: self.width, height: self.height, radiance }

@@ -96,7 +96,7 @@ impl SceneTraits {
     /// Looks at a scene.
     pub fn of(scene: &Scene) -> Self {
         Self {
-            point_lights: scene.lights.lights().iter().any(|light| !light.has_extent()),
+            point_lights: scene.lights.has_points(),
             specular: scene.lobes().any(Lobes::SPECULAR),
             negative_lobes: scene.film.filter.has_negative_lobes(),
         }

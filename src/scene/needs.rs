@@ -23,7 +23,7 @@ type Feature = (&'static str, fn(&Scene) -> bool);
 
 const FEATURES: &[Feature] = &[
     ("a choice among lights", |scene| scene.lights.lights().len() > 1),
-    ("lights without extent", |scene| scene.lights.lights().iter().any(|light| !light.has_extent())),
+    ("lights without extent", |scene| scene.lights.has_points()),
     ("light from outside", |scene| scene.lights.lights().iter().any(is_distant)),
     ("mirrors or glass", |scene| scene.lobes().any(Lobes::SPECULAR)),
     ("narrow lobes", |scene| scene.lobes().any(Lobes::NARROW)),

@@ -2,14 +2,13 @@
 
 use super::ChartData;
 use super::canvas::text_width;
-use super::drawing::{Anchor, Color, Drawing, FAINT_INK, INK, WHITE};
+use super::drawing::{Anchor, Color, Drawing, FAINT_INK, INK, TEXT, WHITE};
 use super::scale::number;
 use crate::evaluation::curves::{Curve, common_budget};
 
 const CELL: [f64; 2] = [88.0, 30.0];
 const TOP: f64 = 102.0;
 const EDGE: f64 = 14.0;
-const TEXT: f64 = 12.0;
 /// From the best to [`WORST`] times its error: blue to nearly white, darker is better; seen alike by color-blind people.
 const SHADES: [Color; 5] = [[8, 64, 129], [43, 140, 190], [123, 190, 215], [190, 222, 235], [244, 248, 250]];
 const WORST: f64 = 10.0;

@@ -10,6 +10,9 @@ pub(super) const FAINT_INK: Color = [105, 105, 105];
 pub(super) const GRID: Color = [228, 228, 228];
 pub(super) const WHITE: Color = [255, 255, 255];
 
+/// Height of the letters of notes and legends.
+pub(super) const TEXT: f64 = 12.0;
+
 /// Where a text's place lies in it. Vertically it is the middle of small letters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Anchor {

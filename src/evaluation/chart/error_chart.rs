@@ -2,8 +2,8 @@
 
 use super::ChartData;
 use super::canvas::text_width;
-use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK, Point};
-use super::scale::{LogScale, number};
+use super::drawing::{Anchor, Drawing, FAINT_INK, INK, Point, TEXT};
+use super::scale::LogScale;
 use super::style::CurveStyle;
 use crate::evaluation::curves::{Curve, CurvePoint};
 
@@ -12,7 +12,6 @@ const PANEL: Point = [372.0, 268.0];
 /// Space around a panel's axes: left, top, right, bottom.
 const MARGINS: [f64; 4] = [62.0, 34.0, 14.0, 42.0];
 const EDGE: f64 = 14.0;
-const TEXT: f64 = 12.0;
 const LEGEND_ROW: f64 = 20.0;
 
 pub(super) fn draw(data: &ChartData) -> Drawing {
@@ -24,11 +23,7 @@ pub(super) fn draw(data: &ChartData) -> Drawing {
     let mut drawing = Drawing::new(width, top + rows as f64 * PANEL[1] + EDGE);
     heading(data, &mut drawing);
     for (label, [x, y]) in &entries {
-        let style = data.style(label);
-        let middle = 64.0 + y;
-        style.line(&mut drawing, vec![[*x, middle], [x + 26.0, middle]]);
-        style.point(&mut drawing, [x + 13.0, middle], false);
-        drawing.text([x + 32.0, middle], label.as_str(), TEXT, INK, Anchor::Start);
+        data.style(label).entry(&mut drawing, label, [*x, 64.0 + y]);
     }
     let seconds = || data.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.cpu_seconds));
     for (index, scene) in data.scenes.iter().enumerate() {
@@ -85,7 +80,8 @@ impl Panel<'_> {
         let bottom = self.corner[1] + PANEL[1] - MARGINS[3];
         let y = LogScale::covering(self.errors(), [bottom, self.corner[1] + MARGINS[1]]);
         self.floor(drawing, &y);
-        self.axes(drawing, &y);
+        drawing.axes(&self.x, &y, "processor-seconds");
+        drawing.text([self.x.pixels[0], y.pixels[1] - 14.0], self.scene, 14.0, INK, Anchor::Start);
         let curves: Vec<&Curve> = self.data.of_scene(self.scene).collect();
         for curve in &curves {
             self.band(drawing, curve, &y);
@@ -113,23 +109,6 @@ impl Panel<'_> {
             let [left, right] = self.x.pixels;
             drawing.rectangle([left, y.place(noise)], [right, y.pixels[0]], [240, 240, 240]);
         }
-    }
-
-    fn axes(&self, drawing: &mut Drawing, y: &LogScale) {
-        let ([left, right], [bottom, top]) = (self.x.pixels, y.pixels);
-        for value in y.ticks() {
-            let place = y.place(value);
-            drawing.line(vec![[left, place], [right, place]], GRID, 0.75);
-            drawing.text([left - 7.0, place], number(value), TEXT - 1.0, FAINT_INK, Anchor::End);
-        }
-        for value in self.x.ticks() {
-            let place = self.x.place(value);
-            drawing.line(vec![[place, bottom], [place, top]], GRID, 0.75);
-            drawing.text([place, bottom + 13.0], number(value), TEXT - 1.0, FAINT_INK, Anchor::Middle);
-        }
-        drawing.line(vec![[left, top], [left, bottom], [right, bottom]], FAINT_INK, 1.0);
-        drawing.text([left, top - 14.0], self.scene, 14.0, INK, Anchor::Start);
-        drawing.text([right, bottom + 29.0], "processor-seconds", TEXT - 1.0, FAINT_INK, Anchor::End);
     }
 
     fn band(&self, drawing: &mut Drawing, curve: &Curve, y: &LogScale) {

@@ -1,14 +1,13 @@
 //! A job's own error estimate over time.
 
-use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK, Point};
+use super::drawing::{Anchor, Drawing, FAINT_INK, INK, Point, TEXT};
 use super::scale::{LogScale, number};
-use super::style::{self, CurveStyle};
+use super::style;
 use crate::estimate::ErrorEstimate;
 
 const SIZE: Point = [640.0, 400.0];
 /// Space around the axes: left, top, right, bottom.
 const MARGINS: [f64; 4] = [76.0, 76.0, 20.0, 48.0];
-const TEXT: f64 = 12.0;
 
 /// A name and what it shows of an estimate.
 type Shown = (&'static str, fn(&ErrorEstimate) -> f64);
@@ -50,7 +49,7 @@ pub fn draw_job(title: &str, points: &[JobPoint], wanted: Option<f64>) -> Drawin
     let shown = values.chain(wanted).filter(|value| *value > 0.1 * least);
     let x = LogScale::covering(points.iter().map(|point| point.seconds), [MARGINS[0], SIZE[0] - MARGINS[2]]);
     let y = LogScale::covering(shown, [SIZE[1] - MARGINS[3], MARGINS[1]]);
-    axes(&mut drawing, &x, &y);
+    drawing.axes(&x, &y, "seconds since the first lease");
     if let Some(wanted) = wanted {
         let place = y.place(wanted);
         drawing.dashed_line(&[[x.pixels[0], place], [x.pixels[1], place]], INK, 1.0);
@@ -67,33 +66,10 @@ pub fn draw_job(title: &str, points: &[JobPoint], wanted: Option<f64>) -> Drawin
         if places.is_empty() {
             continue;
         }
-        legend(&mut drawing, label, style, left);
+        style.entry(&mut drawing, label, [left, 60.0]);
         left += 90.0;
         style.line(&mut drawing, places.clone());
         places.into_iter().for_each(|place| style.point(&mut drawing, place, false));
     }
     drawing
-}
-
-fn legend(drawing: &mut Drawing, label: &str, style: CurveStyle, left: f64) {
-    let middle = 60.0;
-    style.line(drawing, vec![[left, middle], [left + 26.0, middle]]);
-    style.point(drawing, [left + 13.0, middle], false);
-    drawing.text([left + 32.0, middle], label, TEXT, INK, Anchor::Start);
-}
-
-fn axes(drawing: &mut Drawing, x: &LogScale, y: &LogScale) {
-    let ([left, right], [bottom, top]) = (x.pixels, y.pixels);
-    for value in y.ticks() {
-        let place = y.place(value);
-        drawing.line(vec![[left, place], [right, place]], GRID, 0.75);
-        drawing.text([left - 7.0, place], number(value), TEXT - 1.0, FAINT_INK, Anchor::End);
-    }
-    for value in x.ticks() {
-        let place = x.place(value);
-        drawing.line(vec![[place, bottom], [place, top]], GRID, 0.75);
-        drawing.text([place, bottom + 13.0], number(value), TEXT - 1.0, FAINT_INK, Anchor::Middle);
-    }
-    drawing.line(vec![[left, top], [left, bottom], [right, bottom]], FAINT_INK, 1.0);
-    drawing.text([right, bottom + 31.0], "seconds since the first lease", TEXT - 1.0, FAINT_INK, Anchor::End);
 }

@@ -1,5 +1,7 @@
 //! Logarithmic axes.
 
+use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, TEXT};
+
 /// A range of values above 0 along a range of pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LogScale {
@@ -44,6 +46,26 @@ impl LogScale {
         // More than eight decades: leave some out.
         let every = enough.len().div_ceil(8).max(1);
         enough.iter().copied().step_by(every).collect()
+    }
+}
+
+impl Drawing {
+    /// Axes with their ticks and a grid, and what `x` counts.
+    pub(super) fn axes(&mut self, x: &LogScale, y: &LogScale, counted: &str) {
+        const SMALL: f64 = TEXT - 1.0;
+        let ([left, right], [bottom, top]) = (x.pixels, y.pixels);
+        for value in y.ticks() {
+            let place = y.place(value);
+            self.line(vec![[left, place], [right, place]], GRID, 0.75);
+            self.text([left - 7.0, place], number(value), SMALL, FAINT_INK, Anchor::End);
+        }
+        for value in x.ticks() {
+            let place = x.place(value);
+            self.line(vec![[place, bottom], [place, top]], GRID, 0.75);
+            self.text([place, bottom + 13.0], number(value), SMALL, FAINT_INK, Anchor::Middle);
+        }
+        self.line(vec![[left, top], [left, bottom], [right, bottom]], FAINT_INK, 1.0);
+        self.text([right, bottom + 30.0], counted, SMALL, FAINT_INK, Anchor::End);
     }
 }
 

@@ -1,6 +1,6 @@
 //! How curves are told apart: by colors that color-blind people see as different too, and by the shape of their points.
 
-use super::drawing::{Color, Drawing, Point, WHITE};
+use super::drawing::{Anchor, Color, Drawing, INK, Point, TEXT, WHITE};
 
 /// The scheme "muted" of Paul Tol (2021, "Colour schemes", SRON/EPS/TN/09-002), in an order that keeps neighbors apart.
 const PALETTE: [Color; 9] = [
@@ -73,6 +73,13 @@ impl CurveStyle {
         if hollow {
             drawing.area(outline(RADIUS - 1.5), WHITE, 1.0);
         }
+    }
+
+    /// A legend's entry: a piece of line with a point, and the label. `place` is its left end, middle height.
+    pub(super) fn entry(self, drawing: &mut Drawing, label: &str, [left, middle]: Point) {
+        self.line(drawing, vec![[left, middle], [left + 26.0, middle]]);
+        self.point(drawing, [left + 13.0, middle], false);
+        drawing.text([left + 32.0, middle], label, TEXT, INK, Anchor::Start);
     }
 
     /// A line of this style.

@@ -2,7 +2,7 @@
 
 use super::ChartData;
 use super::canvas::text_width;
-use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK, WHITE};
+use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK, TEXT, WHITE};
 use super::scale::{LogScale, number};
 use crate::evaluation::curves::{Curve, Reached};
 
@@ -14,7 +14,6 @@ const TOP: f64 = 84.0;
 const LINE: f64 = 15.0;
 /// Space above and below a scene's lines.
 const PADDING: f64 = 7.0;
-const TEXT: f64 = 12.0;
 const SMALL: f64 = 11.0;
 
 pub(super) fn draw(data: &ChartData) -> Drawing {

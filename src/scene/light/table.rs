@@ -52,6 +52,11 @@ impl LightTable {
         self.has_extent
     }
 
+    /// Whether there is a light that no direction hits by chance.
+    pub fn has_points(&self) -> bool {
+        self.lights.iter().any(|light| !light.has_extent())
+    }
+
     /// Whether `ray` could reach any light if nothing were in between. False spares a walk through the whole scene.
     #[inline]
     pub fn may_be_hit(&self, geometry: &Geometry, ray: &Ray) -> bool {
