@@ -165,13 +165,10 @@ fn floors_seen_at_a_glance_are_as_bright() {
         let scene = scene(&[&view, &floor, "<emitter type='constant'/>"]);
         for method in ["sppm", "ppm", "path", "bdpt", "vcm"] {
             let seen = picture(&scene, method, &with_photons(method, 16384), 12);
-            // All pixels share a disc, whose few photons made `vcm` 13 % too bright.
-            assert_close(
-                mean(&seen),
-                0.5,
-                if method == "vcm" { 0.25 } else { 0.01 },
-                &format!("{method}: {degrees}° over the floor"),
-            );
+            // All pixels share a disc with few photons: the mean of `vcm` has a standard deviation of 5 % at 10°. Over 24 seeds
+            // it was off by −0.1 ± 1.0 %.
+            let tolerance = if method == "vcm" { 0.2 } else { 0.01 };
+            assert_close(mean(&seen), 0.5, tolerance, &format!("{method}: {degrees}° over the floor"));
         }
     }
 }
