@@ -125,7 +125,7 @@ fn chi_square_directions_of_distant_photons() {
 
     let map = scene(BLOCK, MAP);
     let directions = photons(&map, 225).into_iter().map(|photon| Some(-photon.direction));
-    let pdf = |direction| f64::from(map.lights.environment(direction).expect("light comes").1);
+    let pdf = |direction| f64::from(map.lights.environment(&MIDDLE.into(), direction).expect("light comes").1);
     assert_directions(directions, pdf, -1.0, "a map: directions");
 }
 

@@ -39,7 +39,7 @@ fn environment(file: &[u8], parameters: &str) -> Scene {
 }
 
 fn arriving(scene: &Scene, direction: Vec3) -> (Rgb, f64) {
-    let (radiance, pdf) = scene.lights.environment(direction).expect("there is an environment");
+    let (radiance, pdf) = scene.lights.environment(&Vec3::ONE.into(), direction).expect("there is an environment");
     (radiance, f64::from(pdf))
 }
 
@@ -53,7 +53,7 @@ fn chi_square_direct_light_of_an_environment_map() {
         let scene = environment(&file, parameters);
         let samples = (0..SAMPLES).map(|sample| {
             let u = numbers(family, sample);
-            let sample = scene.lights.sample_direct(&scene.geometry, Vec3::ONE, [u[2], u[0], u[1]])?;
+            let sample = scene.lights.sample_direct(&scene.geometry, &Vec3::ONE.into(), [u[2], u[0], u[1]])?;
             let (radiance, pdf) = arriving(&scene, sample.direction);
             // Rounding may move a direction over the edge of its cell, where the density is another.
             if (pdf / f64::from(sample.pdf_solid_angle) - 1.0).abs() < 1e-3 {
@@ -72,7 +72,8 @@ fn chi_square_densities_of_an_environment_map_agree() {
     let scene = environment(&exr_file(8, 5, sky), TURNED);
     let differ = (0..SAMPLES).filter(|sample| {
         let u = numbers(205, *sample);
-        let sample = scene.lights.sample_direct(&scene.geometry, Vec3::ONE, [u[2], u[0], u[1]]).expect("light comes");
+        let sample =
+            scene.lights.sample_direct(&scene.geometry, &Vec3::ONE.into(), [u[2], u[0], u[1]]).expect("light comes");
         (arriving(&scene, sample.direction).1 / f64::from(sample.pdf_solid_angle) - 1.0).abs() > 1e-3
     });
     let differ = differ.count();
@@ -172,10 +173,12 @@ fn chi_square_direct_light_of_textured_lamps() {
         let scene = lamp(shape);
         let mut sum = Rgb::ZERO;
         for u in (0..SAMPLES).map(|sample| numbers(family, sample)) {
-            let Some(sample) = scene.lights.sample_direct(&scene.geometry, point, [u[2], u[0], u[1]]) else { continue };
+            let Some(sample) = scene.lights.sample_direct(&scene.geometry, &point.into(), [u[2], u[0], u[1]]) else {
+                continue;
+            };
             sum += sample.weighted_radiance / SAMPLES as f32;
             let Some(hit) = scene.geometry.intersect(&Ray::new(point, sample.direction)) else { continue };
-            let Some((radiance, pdf)) = scene.lights.emitted(&scene.geometry, point, &hit) else { continue };
+            let Some((radiance, pdf)) = scene.lights.emitted(&scene.geometry, &point.into(), &hit) else { continue };
             // Of a cube, light from a hidden face is sampled too.
             if (hit.distance / sample.distance - 1.0).abs() < 1e-3 {
                 assert!((pdf / sample.pdf_solid_angle - 1.0).abs() < 1e-2, "{shape}: {pdf}");
@@ -188,7 +191,7 @@ fn chi_square_direct_light_of_textured_lamps() {
         for u in (0..4 * SAMPLES).map(|sample| numbers(family + 10, sample)) {
             let direction = photonfarm::math::warp::sphere([u[0], u[1]]);
             let Some(hit) = scene.geometry.intersect(&Ray::new(point, direction)) else { continue };
-            let Some((radiance, _)) = scene.lights.emitted(&scene.geometry, point, &hit) else { continue };
+            let Some((radiance, _)) = scene.lights.emitted(&scene.geometry, &point.into(), &hit) else { continue };
             expected += radiance * (4.0 * PI) as f32 / (4 * SAMPLES) as f32;
         }
         if shape != "cube" {

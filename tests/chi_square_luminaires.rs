@@ -159,7 +159,7 @@ fn analytic_direct_light_of_a_luminaire() {
     ];
     for (direction, expected) in cases {
         let point = origin + direction * 2.0;
-        let found = lit.lights.sample_direct(&lit.geometry, point, [0.5; 3]).expect("it shines everywhere");
+        let found = lit.lights.sample_direct(&lit.geometry, &point.into(), [0.5; 3]).expect("it shines everywhere");
         assert!((found.weighted_radiance.x * 4.0 - expected).abs() < 1e-4 * expected, "{direction}: {found:?}");
         assert!((found.weighted_radiance.y * 8.0 - expected).abs() < 1e-4 * expected);
         assert!(found.direction.distance(-direction) < 1e-5 && found.pdf_solid_angle == 0.0);

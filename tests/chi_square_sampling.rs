@@ -310,7 +310,7 @@ fn check_direct(family: u32, body: &str, point: Vec3, target: Vec3, least_cosine
     let what = format!("{body} from {point}");
     let samples = (0..SAMPLES).map(|sample| {
         let u = numbers(family, sample);
-        let found = scene.lights.sample_direct(&scene.geometry, point, [u[2], u[0], u[1]])?;
+        let found = scene.lights.sample_direct(&scene.geometry, &point.into(), [u[2], u[0], u[1]])?;
         let value = found.weighted_radiance * found.pdf_solid_angle;
         assert!(value.distance(Rgb::new(3.0, 2.0, 1.0)) < 1e-4, "{what}: radiance {value}");
         Some(frame.to_local(found.direction))
@@ -320,7 +320,7 @@ fn check_direct(family: u32, body: &str, point: Vec3, target: Vec3, least_cosine
     let pdf = |local: Vec3| {
         let ray = Ray::new(point, frame.to_world(local).normalize());
         let Some(hit) = scene.geometry.intersect(&ray) else { return 0.0 };
-        scene.lights.emitted(&scene.geometry, point, &hit).map_or(0.0, |(_, pdf)| f64::from(pdf))
+        scene.lights.emitted(&scene.geometry, &point.into(), &hit).map_or(0.0, |(_, pdf)| f64::from(pdf))
     };
     assert_directions(samples, pdf, least_cosine, &what);
 }
@@ -367,7 +367,7 @@ fn chi_square_direct_light_of_a_cylinder() {
     let mut seen = Histogram::new(2);
     let mut points = Vec::new();
     for u in (0..SAMPLES).map(|sample| numbers(57, sample)) {
-        let sample = scene.lights.sample_direct(&scene.geometry, point, [u[2], u[0], u[1]]);
+        let sample = scene.lights.sample_direct(&scene.geometry, &point.into(), [u[2], u[0], u[1]]);
         seen.add(usize::from(sample.is_some()));
         let Some(sample) = sample else { continue };
         let target = point + sample.direction * sample.distance;
@@ -376,7 +376,7 @@ fn chi_square_direct_light_of_a_cylinder() {
         // Near the outline the cosine has few digits.
         let Some(hit) = scene.geometry.intersect(&Ray::new(point, sample.direction)) else { continue };
         if hit.geometric_normal.dot(hit.outgoing) > 0.1 {
-            let (_, pdf) = scene.lights.emitted(&scene.geometry, point, &hit).expect("it was sampled");
+            let (_, pdf) = scene.lights.emitted(&scene.geometry, &point.into(), &hit).expect("it was sampled");
             assert!((pdf / sample.pdf_solid_angle - 1.0).abs() < 1e-3, "{pdf} is not {}", sample.pdf_solid_angle);
             let area = 0.8 * PI;
             let cosine = f64::from(hit.geometric_normal.dot(hit.outgoing));
@@ -392,30 +392,32 @@ fn chi_square_direct_light_of_a_cylinder() {
 fn chi_square_direct_light_of_an_environment() {
     let body = "<shape type='cube'/><emitter type='constant'><rgb name='radiance' value='3, 2, 1'/></emitter>";
     let scene = scene(body);
-    let (radiance, pdf) = scene.lights.environment(Vec3::Y).expect("there is an environment");
+    let (radiance, pdf) = scene.lights.environment(&Vec3::ONE.into(), Vec3::Y).expect("there is an environment");
     assert_eq!(radiance, Rgb::new(3.0, 2.0, 1.0));
     let samples = (0..SAMPLES).map(|sample| {
         let u = numbers(59, sample);
-        Some(scene.lights.sample_direct(&scene.geometry, Vec3::ONE, [u[2], u[0], u[1]])?.direction)
+        Some(scene.lights.sample_direct(&scene.geometry, &Vec3::ONE.into(), [u[2], u[0], u[1]])?.direction)
     });
     assert_directions(samples, |_| f64::from(pdf), -1.0, "constant");
 }
 
 #[test]
-fn chi_square_lights_are_picked_by_power() {
-    // Powers 4π·I: 3 to 1 in luminance.
+fn chi_square_lights_are_picked_by_power_and_by_place() {
+    // Powers 4π·I: 3 to 1 in luminance. Squared distances to the place: 25 and 106 m².
     let body = "<shape type='cube'/><emitter type='point'><rgb name='intensity' value='3, 3, 3'/></emitter>\
         <emitter type='point'><point name='position' value='9, 0, 0'/></emitter>";
     let scene = scene(body);
     let (mut picked, mut from) = (Histogram::new(2), Histogram::new(2));
     for u in (0..SAMPLES).map(|sample| numbers(60, sample)) {
-        let direct = scene.lights.sample_direct(&scene.geometry, Vec3::new(0.0, 5.0, 0.0), [u[0], u[1], u[2]]).unwrap();
+        let direct =
+            scene.lights.sample_direct(&scene.geometry, &Vec3::new(0.0, 5.0, 0.0).into(), [u[0], u[1], u[2]]).unwrap();
         picked.add(usize::from(direct.direction.x > 0.1));
         let photon = scene.lights.emit(&scene.geometry, [u[0], u[1], u[2]], [u[2], u[3]]).unwrap();
         from.add(usize::from(photon.origin.x > 0.1));
         assert!((photon.flux.x / (16.0 * PI) as f32 - 1.0).abs() < 1e-5, "photons carry {}", photon.flux.x);
     }
-    picked.assert_shares(&[0.75, 0.25], "direct light's choice");
+    let [near, far] = [3.0 / 25.0, 1.0 / 106.0];
+    picked.assert_shares(&[near / (near + far), far / (near + far)], "direct light's choice");
     from.assert_shares(&[0.75, 0.25], "emission's choice");
 }
 

@@ -216,11 +216,11 @@ fn mgf_files_include_others_and_travel_with_them() {
     assert_eq!(outline(&packed.root), outline(&scene.root));
     // The lamp hangs over the ball and shines down on it, with 2 · 1790/179 W·sr⁻¹.
     let scene = Scene::prepare(&packed).unwrap_or_else(|error| panic!("{error}"));
-    let found = scene.lights.sample_direct(&scene.geometry, Vec3::new(0.0, 0.0, 6.0), [0.5, 0.5, 0.0]);
+    let found = scene.lights.sample_direct(&scene.geometry, &Vec3::new(0.0, 0.0, 6.0).into(), [0.5, 0.5, 0.0]);
     let found = found.expect("the lamp shines downwards");
-    // Either of two equal lamps is picked.
-    assert!((found.weighted_radiance.x - 2.0 * 20.0).abs() < 1e-3, "{found:?}");
-    assert!(scene.lights.sample_direct(&scene.geometry, Vec3::new(0.0, 0.0, 8.0), [0.5, 0.5, 0.0]).is_none());
+    // It is picked a hundred times as often as the equal lamp that is ten times as far.
+    assert!((found.weighted_radiance.x - 20.0 * 102.0 / 101.0).abs() < 1e-3, "{found:?}");
+    assert!(scene.lights.sample_direct(&scene.geometry, &Vec3::new(0.0, 0.0, 8.0).into(), [0.5, 0.5, 0.0]).is_none());
 }
 
 #[test]

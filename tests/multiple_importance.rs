@@ -151,7 +151,7 @@ fn check_weights(scene: &Arc<Scene>, weighting: Weighting) -> [u32; 3] {
             let at = &camera[i - 1];
             // Light sampling.
             let u = PathRandom::new(3, Stream::Camera, 0, index).block(dimension::light(i as u32));
-            let sample = scene.lights.sample_direct(&scene.geometry, at.hit.position, [u[0], u[1], u[2]]);
+            let sample = scene.lights.sample_direct(&scene.geometry, &at.hit.position.into(), [u[0], u[1], u[2]]);
             if let Some(sample) = sample
                 && let Some(reflected) = at.reflect(scene, TransportMode::Radiance, sample.direction)
                 && let Some(point) =

@@ -269,11 +269,12 @@ impl Ppm {
 
     fn all_directions(&self, walk: &CameraWalk, point: &GatherPoint) -> impl Iterator<Item = CameraWalk> {
         let (walk, hit, view) = (*walk, point.hit, point.view().of(Lobes::SPECULAR));
-        let lobes = self.passes.scene.material(hit.shape).specular_lobes(&view);
+        let scene = &self.passes.scene;
+        let lobes = scene.material(hit.shape).specular_lobes(&view);
         lobes.into_iter().flatten().filter_map(move |sample| {
             let scattering = shading::finish(&hit, &view, sample)?;
             let mut branch = walk;
-            branch.follow(&hit, &scattering);
+            branch.follow(scene, &hit, &scattering);
             Some(branch)
         })
     }
@@ -281,9 +282,10 @@ impl Ppm {
     fn one_direction(&self, mut walk: CameraWalk, point: &GatherPoint, random: &PathRandom) -> Option<CameraWalk> {
         let hit = &point.hit;
         let u = random.block(dimension::scattering(walk.segments));
-        let material = self.passes.scene.material(hit.shape);
-        let scattering = shading::scatter(hit, material, &point.view().of(Lobes::SPECULAR), [u[0], u[1], u[2]])?;
-        walk.follow(hit, &scattering);
+        let scene = &self.passes.scene;
+        let view = point.view().of(Lobes::SPECULAR);
+        let scattering = shading::scatter(hit, scene.material(hit.shape), &view, [u[0], u[1], u[2]])?;
+        walk.follow(scene, hit, &scattering);
         walk.survives(&self.passes.limits, u[3]).then_some(walk)
     }
 

@@ -15,7 +15,7 @@ use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::{Primitive, SHAPES};
 use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::light::{
-    AreaLight, Constant, Directional, EnvironmentMap, Ies, Light, LightTable, Point, Spot, Surroundings, area,
+    AreaLight, Constant, Directional, EnvironmentMap, Ies, Light, LightTable, Place, Point, Spot, Surroundings, area,
 };
 use super::material::{self, Lobes, Material, TransportMode, View};
 use super::relief::{self, Relief};
@@ -154,6 +154,12 @@ impl Scene {
     #[inline]
     pub fn material(&self, shape: Shape) -> &Material {
         &self.materials[shape.material as usize]
+    }
+
+    /// A hit as a place that light may arrive at.
+    #[inline]
+    pub fn place(&self, hit: &Interaction) -> Place {
+        Place::on(hit, self.material(hit.shape).lobes())
     }
 
     /// What any of its materials can do; decides what has to run.
@@ -329,7 +335,7 @@ fn light_table(
         }
         lights.push(light);
     }
-    LightTable::new(lights).ok_or_else(|| {
+    LightTable::new(lights, geometry).ok_or_else(|| {
         SceneError::new(
             &description.root.location,
             "nothing in the scene emits light",

@@ -9,6 +9,7 @@ use crate::math::random::{PathRandom, dimension};
 use crate::math::{Rgb, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::{Interaction, Ray};
+use crate::scene::light::Place;
 use crate::scene::material::{Lobes, TransportMode, View};
 
 use super::counters::Counters;
@@ -64,6 +65,8 @@ enum SeenEmission {
 pub struct CameraWalk {
     /// The next segment.
     pub ray: Ray,
+    /// Where the next segment begins.
+    place: Place,
     /// What radiance from the next vertex is multiplied with.
     pub throughput: Rgb,
     /// Segments before the next one.
@@ -82,6 +85,7 @@ impl CameraWalk {
     pub fn new(ray: Ray, samples_lights: bool) -> Self {
         Self {
             ray,
+            place: ray.origin.into(),
             throughput: Rgb::ONE,
             segments: 0,
             path_length: 0.0,
@@ -96,6 +100,8 @@ impl CameraWalk {
     pub fn gathering(point: &GatherPoint, scattering: &Scattering) -> Self {
         Self {
             ray: point.hit.ray_to(scattering.direction),
+            // Nothing that the segment meets is shared with light sampling.
+            place: point.hit.position.into(),
             throughput: point.throughput * scattering.weight,
             segments: point.segments,
             path_length: point.path_length,
@@ -121,8 +127,8 @@ impl CameraWalk {
         counters.rays += 1;
         let found = scene.intersect(&self.ray);
         let emitted = match &found {
-            Some(hit) => scene.lights.emitted(&scene.geometry, self.ray.origin, hit),
-            None => scene.lights.environment(self.ray.direction),
+            Some(hit) => scene.lights.emitted(&scene.geometry, &self.place, hit),
+            None => scene.lights.environment(&self.place, self.ray.direction),
         };
         if let Some((emitted, light_pdf)) = emitted {
             *radiance += self.throughput * emitted * self.emission_share(light_pdf);
@@ -143,7 +149,8 @@ impl CameraWalk {
 
     /// Goes on after a scattering.
     #[inline]
-    pub fn follow(&mut self, hit: &Interaction, scattering: &Scattering) {
+    pub fn follow(&mut self, scene: &Scene, hit: &Interaction, scattering: &Scattering) {
+        self.place = scene.place(hit);
         self.throughput *= scattering.weight;
         let index = scattering.sample.relative_index;
         self.index_squared *= index * index;
@@ -209,7 +216,7 @@ pub fn trace_camera_path(
         let Some(scattering) = shading::scatter(&point.hit, material, &point.view(), [u[0], u[1], u[2]]) else {
             return;
         };
-        walk.follow(&point.hit, &scattering);
+        walk.follow(scene, &point.hit, &scattering);
         if !walk.survives(limits, u[3]) {
             return;
         }

@@ -30,8 +30,8 @@ fn sample_light(scene: &Scene, point: &GatherPoint, random: &PathRandom, counter
     let hit = &point.hit;
     let material = scene.material(hit.shape);
     let u = random.block(dimension::light(point.segments));
-    let origin = hit.offset_towards(hit.outgoing);
-    let Some(light) = scene.lights.sample_direct(&scene.geometry, origin, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
+    let place = scene.place(hit);
+    let Some(light) = scene.lights.sample_direct(&scene.geometry, &place, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
     let view = point.view();
     let incident = hit.frame.to_local(light.direction);
     let reflected = material.evaluate(&view, incident) * incident.z.abs();
@@ -69,9 +69,10 @@ fn sample_material(scene: &Scene, point: &GatherPoint, random: &PathRandom, coun
         return Rgb::ZERO;
     }
     counters.rays += 1;
+    let place = scene.place(hit);
     let arriving = match scene.intersect(&ray) {
-        Some(next) => scene.lights.emitted(&scene.geometry, ray.origin, &next),
-        None => scene.lights.environment(ray.direction),
+        Some(next) => scene.lights.emitted(&scene.geometry, &place, &next),
+        None => scene.lights.environment(&place, ray.direction),
     };
     match arriving {
         Some((radiance, pdf)) => scattering.weight * radiance * power_heuristic(scattering.sample.pdf, pdf),

@@ -137,9 +137,10 @@ fn a_slit_is_a_lamp() {
     assert_close(mean(&picture(&behind, "sppm", by_photons, 8)), expected, 0.06, "sppm by photons alone: a slit");
 }
 
-/// 100 rooms with a lamp each, one seen: light is as bright as if there were one room, only noisier.
+/// 100 rooms with a lamp each, one seen: light is as bright as if there were one room, and not much noisier, since the lamp of this
+/// room is the likeliest to be picked.
 #[test]
-fn ninety_nine_unseen_rooms_only_add_noise() {
+fn ninety_nine_unseen_rooms_add_little_noise() {
     let view = camera("0, 0, 0.9", "0, -0.3, -1", "0, 1, 0", 70.0, 16);
     let grey = matte(0.6);
     let cell = |x: i32, z: i32| {
@@ -154,13 +155,18 @@ fn ninety_nine_unseen_rooms_only_add_noise() {
     let (one, many) = (scene(&[&view, &cell(0, 0)]), scene(&[&view, &many]));
     let truth = picture(&one, "path", "{}", 400);
     let expected = grays(&truth);
-    for (method, passes) in [("sppm", 16), ("path", 128), ("bdpt", 64), ("vcm", 12)] {
+    // One photon in 100 falls into this room, so first discs are up to 0.9 m wide: over 8 seeds `sppm` was −4.6 ± 1.2 % off, `vcm`
+    // −1.6 ± 0.6 %.
+    for (method, passes, bias, noisiest) in
+        [("sppm", 16, 0.08, 6.0), ("path", 128, 0.0, 2.5), ("bdpt", 64, 0.0, 4.5), ("vcm", 12, 0.04, 5.0)]
+    {
         let found = picture(&many, method, &with_photons(method, 16384), passes);
         let alone = picture(&one, method, &with_photons(method, 16384), passes);
         let [noise, least] = [&found, &alone].map(|seen| relative_error(seen, |pixel| expected[pixel]));
         // Four standard errors of the mean of 256 pixels.
-        assert_close(mean(&found), mean(&truth), 4.0 * noise / 16.0, &format!("{method}: one of 100 rooms"));
-        println!("{method}: error of a pixel {noise:.3}, with one room {least:.3}: {:.1} times", noise / least);
+        assert_close(mean(&found), mean(&truth), 4.0 * noise / 16.0 + bias, &format!("{method}: one of 100 rooms"));
+        println!("{method}: error of a pixel {noise:.3}, with one room {least:.3}");
+        assert_below(noise / least, noisiest, &format!("{method}: error of a pixel over that with one room"));
     }
 }
 

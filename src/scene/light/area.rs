@@ -9,6 +9,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use super::outlook::{Aim, Lamp, Outlook};
 use super::{DirectSample, EmittedPhoton, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
@@ -36,9 +37,16 @@ const PROBES: usize = 1 << 16;
 /// The share of picks that goes by area alone, so that no part that the probes missed is left out.
 const PICKS_BY_AREA: f64 = 0.125;
 
+/// Normals and places that differ so little, as a share, are those of one plane.
+const ROUNDING: f32 = 1e-4;
+
 /// Reads `radiance`.
 pub fn read_radiance(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
     Ok(textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0)))
+}
+
+fn is_flat(primitive: &Primitive) -> bool {
+    matches!(primitive, Primitive::Triangle(_) | Primitive::Rectangle(_) | Primitive::Disk(_))
 }
 
 /// The mean radiance of a primitive at the points of a lattice [R₂ sequence, Roberts 2018].
@@ -114,6 +122,30 @@ impl AreaLight {
             Ok(pick) => geometry.primitive(primitive).area() / self.picks.probability(pick),
             Err(_) => f32::INFINITY,
         }
+    }
+
+    /// From one side of a plane, or from a body that shines to all sides alike.
+    pub fn outlook(&self, geometry: &Geometry) -> Outlook {
+        let primitives = || self.primitives.iter().map(|index| geometry.primitive(*index));
+        let middle = |primitive: &Primitive| primitive.sample([0.5; 2]);
+        let center = primitives().map(|one| middle(one).position * (one.area() / self.area)).sum::<Vec3>();
+        let corners =
+            primitives().map(|one| one.bounds()).map(|(low, high)| (center - low).abs().max((high - center).abs()));
+        let radius = corners.map(Vec3::length).fold(0.0, f32::max);
+        let first = primitives().next().map(middle);
+        let normal = first.map(|point| point.normal).filter(|normal| {
+            primitives().all(|one| {
+                let point = middle(one);
+                let is_on_plane = (point.position - center).dot(*normal).abs() <= ROUNDING * radius;
+                is_flat(one) && point.normal.dot(*normal) >= 1.0 - ROUNDING && is_on_plane
+            })
+        });
+        let power = luminance(self.power);
+        let (intensity, aim) = match normal {
+            Some(normal) => (power * FRAC_1_PI, Aim::Side(normal)),
+            None => (power * warp::SPHERE_PDF, Aim::Everywhere),
+        };
+        Outlook::Near(Lamp { center, radius, intensity, aim })
     }
 
     fn single_sphere(&self, geometry: &Geometry) -> Option<crate::scene::geometry::sphere::Sphere> {

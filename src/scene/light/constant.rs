@@ -6,7 +6,8 @@
 
 use std::f32::consts::PI;
 
-use super::{DirectSample, EmittedPhoton, Surroundings};
+use super::{DirectSample, EmittedPhoton, Outlook, Surroundings};
+use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -44,6 +45,11 @@ impl Constant {
     /// π·L times the surface of the box around the scene: what enters it.
     pub fn power(&self) -> Rgb {
         self.radiance * (PI * self.surroundings.surface())
+    }
+
+    /// π·L on every surface.
+    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+        Outlook::Far { irradiance: PI * luminance(self.radiance) }
     }
 
     /// A direction uniform over the sphere.

@@ -7,7 +7,8 @@
 
 use glam::DVec3;
 
-use super::{DirectSample, EmittedPhoton, Surroundings};
+use super::{DirectSample, EmittedPhoton, Outlook, Surroundings};
+use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -45,6 +46,11 @@ impl Directional {
     /// What falls on the box around the scene.
     pub fn power(&self) -> Rgb {
         self.irradiance * self.surroundings.silhouette(self.direction)
+    }
+
+    /// The same everywhere.
+    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+        Outlook::Far { irradiance: luminance(self.irradiance) }
     }
 
     /// E from one direction.

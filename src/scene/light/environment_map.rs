@@ -16,7 +16,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::{DirectSample, EmittedPhoton, Surroundings};
+use super::{DirectSample, EmittedPhoton, Outlook, Surroundings};
+use crate::math::color::luminance;
 use crate::math::discrete::ONE_MINUS_EPSILON;
 use crate::math::grid_distribution::GridDistribution;
 use crate::math::trigonometry::sin_cos_turn;
@@ -174,6 +175,11 @@ impl EnvironmentMap {
     /// What enters the box around the scene.
     pub fn power(&self) -> Rgb {
         self.power
+    }
+
+    /// Its mean on the box around the scene.
+    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+        Outlook::Far { irradiance: luminance(self.power) / self.surroundings.surface() }
     }
 
     /// A direction by the light that comes from it.

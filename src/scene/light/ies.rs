@@ -21,9 +21,11 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
+use super::outlook::{Aim, Lamp, Outlook};
 use super::point::read_intensity;
 use super::{DirectSample, EmittedPhoton};
-use crate::math::{Rgb, Vec3};
+use crate::math::color::luminance;
+use crate::math::{Rgb, Vec3, warp};
 use crate::scene::bundle::Bundle;
 use crate::scene::error::{Location, SceneError};
 use crate::scene::fields::Fields;
@@ -70,6 +72,12 @@ impl Ies {
     /// The integral of the intensity over all directions.
     pub fn power(&self) -> Rgb {
         self.scale * self.profile.flux()
+    }
+
+    /// Its mean intensity into every direction.
+    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+        let intensity = luminance(self.power()) * warp::SPHERE_PDF;
+        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity, aim: Aim::Everywhere })
     }
 
     /// I(direction)/d².

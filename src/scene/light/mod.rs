@@ -8,6 +8,7 @@ pub mod constant;
 pub mod directional;
 pub mod environment_map;
 pub mod ies;
+pub mod outlook;
 pub mod point;
 pub mod spot;
 pub mod surroundings;
@@ -21,6 +22,7 @@ pub use constant::Constant;
 pub use directional::Directional;
 pub use environment_map::EnvironmentMap;
 pub use ies::Ies;
+pub use outlook::{Outlook, Place};
 pub use point::Point;
 pub use spot::Spot;
 pub use surroundings::Surroundings;
@@ -122,9 +124,14 @@ macro_rules! lights {
         }
 
         impl Light {
-            /// Total emitted flux, W, for choosing among lights.
+            /// Total emitted flux, W, for choosing lights to emit from.
             pub fn power(&self) -> Rgb {
                 match self { $(Self::$kind(light) => light.power()),+ }
+            }
+
+            /// How bright it may be at a place, for choosing among lights.
+            pub fn outlook(&self, geometry: &Geometry) -> Outlook {
+                match self { $(Self::$kind(light) => light.outlook(geometry)),+ }
             }
 
             /// Samples light that may arrive at `point`.

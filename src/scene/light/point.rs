@@ -9,7 +9,9 @@ use std::f32::consts::PI;
 
 use glam::DVec3;
 
+use super::outlook::{Aim, Lamp, Outlook};
 use super::{DirectSample, EmittedPhoton};
+use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -44,6 +46,12 @@ impl Point {
     /// 4πI.
     pub fn power(&self) -> Rgb {
         self.intensity * (4.0 * PI)
+    }
+
+    /// The same into every direction.
+    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+        let intensity = luminance(self.intensity);
+        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity, aim: Aim::Everywhere })
     }
 
     /// I/d².

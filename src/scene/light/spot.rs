@@ -10,8 +10,10 @@ use std::f32::consts::PI;
 
 use glam::DVec3;
 
+use super::outlook::{Aim, Lamp, Outlook};
 use super::point::read_intensity;
 use super::{DirectSample, EmittedPhoton};
+use crate::math::color::luminance;
 use crate::math::{Frame, Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -75,6 +77,13 @@ impl Spot {
     /// The integral of the intensity over the cone.
     pub fn power(&self) -> Rgb {
         self.power
+    }
+
+    /// Full intensity in the whole cone, with room for rounding at its rim.
+    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+        const ROOM: f32 = 1e-4;
+        let aim = Aim::Cone(self.axis.normal, 1.0 - self.one_minus_cosine - ROOM);
+        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity: luminance(self.intensity), aim })
     }
 
     /// I(angle)/d².

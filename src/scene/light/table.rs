@@ -1,5 +1,6 @@
-//! All lights of a scene, picked by power.
+//! All lights of a scene: photons pick them by power, surfaces mostly by what may arrive.
 
+use super::outlook::{Outlook, Outlooks, Place};
 use super::{DirectSample, EmittedPhoton, FirstSegment, Light, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
@@ -12,6 +13,7 @@ use crate::scene::geometry::{Geometry, Interaction, Ray};
 pub struct LightTable {
     lights: Vec<Light>,
     by_power: Discrete,
+    by_place: Outlooks,
     /// Index of the light that surrounds the scene.
     environment: Option<usize>,
     has_extent: bool,
@@ -21,12 +23,16 @@ pub struct LightTable {
 
 /// Up to so many primitives are tested one by one.
 const FEW: usize = 8;
+/// Surfaces count as no nearer to a light than this share of the scene's radius when one is picked.
+const NEAREST: f32 = 1e-4;
 
 impl LightTable {
-    /// A table; `None` when no light emits anything.
-    pub fn new(lights: Vec<Light>) -> Option<Self> {
+    /// A table of the lights in `geometry`; `None` when no light emits anything.
+    pub fn new(lights: Vec<Light>, geometry: &Geometry) -> Option<Self> {
         let powers: Vec<f64> = lights.iter().map(|light| f64::from(luminance(light.power()))).collect();
         let by_power = Discrete::new(&powers)?;
+        let outlooks: Vec<Outlook> = lights.iter().map(|light| light.outlook(geometry)).collect();
+        let by_place = Outlooks::new(&outlooks, NEAREST * geometry.bounding_sphere().1);
         let environment = lights.iter().position(Light::is_environment);
         let has_extent = lights.iter().any(Light::has_extent);
         let emitters: Vec<u32> = lights
@@ -39,7 +45,7 @@ impl LightTable {
             .copied()
             .collect();
         let few_emitters = (emitters.len() <= FEW).then_some(emitters);
-        Some(Self { lights, by_power, environment, has_extent, few_emitters })
+        Some(Self { lights, by_power, by_place, environment, has_extent, few_emitters })
     }
 
     /// The lights.
@@ -65,23 +71,48 @@ impl LightTable {
         emitters.iter().any(|index| geometry.primitive(*index).intersect(ray, &shear, ray.length).is_some())
     }
 
-    /// Picks a light with `u[0]` and samples what may arrive from it at `point`; densities include the pick.
+    /// Picks a light for `place` with `u` in [0, 1); its index and probability.
     #[inline]
-    pub fn sample_direct(&self, geometry: &Geometry, point: Vec3, u: [f32; 3]) -> Option<DirectSample> {
-        let (index, _) = self.by_power.pick(u[2]);
-        let probability = self.by_power.probability(index);
-        let sample = self.lights[index].sample_direct(geometry, point, [u[0], u[1]])?;
+    fn pick(&self, place: &Place, u: f32) -> Option<(usize, f32)> {
+        if self.lights.len() == 1 {
+            return Some((0, 1.0));
+        }
+        let by_power = place.by_power();
+        let index = if u < by_power {
+            self.by_power.pick(u / by_power).0
+        } else {
+            self.by_place.pick(place, (u - by_power) / (1.0 - by_power))?.0
+        };
+        Some((index, self.probability(place, index)))
+    }
+
+    /// The probability with which [`LightTable::sample_direct`] takes a light at `place`.
+    #[inline]
+    fn probability(&self, place: &Place, index: usize) -> f32 {
+        if self.lights.len() == 1 {
+            return 1.0;
+        }
+        let by_power = place.by_power();
+        by_power * self.by_power.probability(index) + (1.0 - by_power) * self.by_place.probability(place, index)
+    }
+
+    /// Picks a light with `u[2]` and samples what may arrive from it at `place`; densities include the pick.
+    #[inline]
+    pub fn sample_direct(&self, geometry: &Geometry, place: &Place, u: [f32; 3]) -> Option<DirectSample> {
+        let (index, probability) = self.pick(place, u[2])?;
+        let sample = self.lights[index].sample_direct(geometry, place.position, [u[0], u[1]])?;
         Some(DirectSample {
             weighted_radiance: sample.weighted_radiance / probability,
             pdf_solid_angle: sample.pdf_solid_angle * probability,
+            emission_ratio: sample.emission_ratio * (self.by_power.probability(index) / probability),
             ..sample
         })
     }
 
     /// Radiance that a hit emits back along the path, and the density by solid angle with which
-    /// [`LightTable::sample_direct`] from `point` finds it.
+    /// [`LightTable::sample_direct`] from `place` finds it.
     #[inline]
-    pub fn emitted(&self, geometry: &Geometry, point: Vec3, hit: &Interaction) -> Option<(Rgb, f32)> {
+    pub fn emitted(&self, geometry: &Geometry, place: &Place, hit: &Interaction) -> Option<(Rgb, f32)> {
         if hit.shape.light == NO_LIGHT {
             return None;
         }
@@ -90,8 +121,8 @@ impl LightTable {
         if radiance == Rgb::ZERO {
             return None;
         }
-        let pdf =
-            self.lights[index].direct_pdf(geometry, point, &SeenPoint::of(hit)) * self.by_power.probability(index);
+        let pick = self.probability(place, index);
+        let pdf = self.lights[index].direct_pdf(geometry, place.position, &SeenPoint::of(hit)) * pick;
         Some((radiance, pdf))
     }
 
@@ -106,44 +137,48 @@ impl LightTable {
         self.lights[index].emission_pdf(geometry, &SeenPoint::of(hit)) * self.by_power.probability(index)
     }
 
-    /// What other ways of sampling the first segment of a photon path there are, from where it hits first.
+    /// What other ways of sampling the first segment of a photon path there are, from the place that it hits first.
     #[inline]
-    pub fn first_segment(&self, geometry: &Geometry, photon: &EmittedPhoton, hit: Vec3) -> FirstSegment {
-        let pick = self.by_power.probability(photon.light as usize);
+    pub fn first_segment(&self, geometry: &Geometry, photon: &EmittedPhoton, hit: &Place) -> FirstSegment {
+        let pick = self.probability(hit, photon.light as usize);
         let light = &self.lights[photon.light as usize];
         match photon.origin_kind {
             Origin::Surface { primitive, normal } => {
                 let seen = SeenPoint { primitive, position: photon.origin, cosine: normal.dot(photon.direction) };
-                let direct = light.direct_pdf(geometry, hit, &seen) * pick;
+                let direct = light.direct_pdf(geometry, hit.position, &seen) * pick;
                 let light_sampling = direct * seen.cosine / photon.pdf;
                 FirstSegment { light_sampling, light_hit: 1.0 / photon.pdf, light_cosine: seen.cosine }
             }
             Origin::Point => {
-                let light_sampling = pick * hit.distance_squared(photon.origin) / photon.pdf;
+                let light_sampling = pick * hit.position.distance_squared(photon.origin) / photon.pdf;
                 FirstSegment { light_sampling, light_hit: 0.0, light_cosine: 1.0 }
             }
-            // The pick and the direction are in both densities.
+            // The direction is in both densities.
             Origin::Distant { sampling_ratio } => FirstSegment {
-                light_sampling: sampling_ratio,
+                light_sampling: sampling_ratio * (pick / self.by_power.probability(photon.light as usize)),
                 light_hit: if light.is_environment() { 1.0 / photon.pdf } else { 0.0 },
                 light_cosine: 1.0,
             },
         }
     }
 
-    /// Over the density of [`LightTable::environment`]: that of a photon which comes from `direction` through a given point
-    /// across it, m⁻².
+    /// Over the density of [`LightTable::environment`] at `place`: that of a photon which comes from `direction` through it, by
+    /// area across the direction, m⁻².
     #[inline]
-    pub fn environment_emission_ratio(&self, direction: Vec3) -> f32 {
-        self.environment.map_or(0.0, |index| self.lights[index].environment_emission_ratio(direction))
+    pub fn environment_emission_ratio(&self, place: &Place, direction: Vec3) -> f32 {
+        self.environment.map_or(0.0, |index| {
+            let picks = self.by_power.probability(index) / self.probability(place, index);
+            self.lights[index].environment_emission_ratio(direction) * picks
+        })
     }
 
-    /// Radiance that arrives from `direction` outside of the scene, and the density by solid angle of sampling it.
+    /// Radiance that arrives at `place` from `direction` outside of the scene, and the density by solid angle with which
+    /// [`LightTable::sample_direct`] takes it.
     #[inline]
-    pub fn environment(&self, direction: Vec3) -> Option<(Rgb, f32)> {
+    pub fn environment(&self, place: &Place, direction: Vec3) -> Option<(Rgb, f32)> {
         let index = self.environment?;
         let (radiance, pdf) = self.lights[index].environment(direction)?;
-        Some((radiance, pdf * self.by_power.probability(index)))
+        Some((radiance, pdf * self.probability(place, index)))
     }
 
     /// Picks a light by power and emits a photon; its flux includes the pick.

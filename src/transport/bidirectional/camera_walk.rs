@@ -7,6 +7,7 @@ use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::{Interaction, Ray};
+use crate::scene::light::Place;
 use crate::scene::material::{Lobes, TransportMode};
 use crate::transport::{Counters, Limits, shading};
 
@@ -28,6 +29,8 @@ pub struct CameraWalk<'a> {
 /// The last scattering of a walk.
 #[derive(Clone, Copy)]
 struct Last {
+    /// Where it was; the lens at first.
+    place: Place,
     /// Density of the new direction by solid angle; 0 for a specular lobe.
     pdf: f32,
     /// Sums after the scattering, before the next segment.
@@ -50,7 +53,7 @@ impl CameraWalk<'_> {
         let place = [pixel % scene.width, pixel / scene.width];
         let (mut ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
         let (mut throughput, mut index_squared, mut radiance) = (Rgb::splat(count), 1.0, Rgb::ZERO);
-        let mut last = Last { pdf: 0.0, sums: Sums::default() };
+        let mut last = Last { place: ray.origin.into(), pdf: 0.0, sums: Sums::default() };
         for segments in 1u32.. {
             if !self.limits.allows(segments) {
                 break;
@@ -88,7 +91,7 @@ impl CameraWalk<'_> {
                 let reverse = reverse_pdf(scene, &hit, &view, sample.direction);
                 self.weighting.scatter(&sums, Densities { forward: sample.pdf, reverse }, cosine)
             };
-            last = Last { pdf: sample.pdf, sums };
+            last = Last { place: scene.place(&hit), pdf: sample.pdf, sums };
             ray = hit.ray_to(scattering.direction);
         }
         radiance
@@ -121,8 +124,8 @@ impl CameraWalk<'_> {
     ) -> Option<(Rgb, f32)> {
         let lights = &self.scene.lights;
         let arriving = match hit {
-            Some(hit) => lights.emitted(&self.scene.geometry, ray.origin, hit),
-            None => lights.environment(ray.direction),
+            Some(hit) => lights.emitted(&self.scene.geometry, &last.place, hit),
+            None => lights.environment(&last.place, ray.direction),
         };
         let (radiance, sampled) = arriving?;
         let takes_part = segments == 1 || self.weighting.techniques.any(Techniques::HIT);
@@ -135,7 +138,7 @@ impl CameraWalk<'_> {
         }
         let (sums, emitted) = match hit {
             Some(hit) => (self.arrive(hit, segments, last), lights.emission_pdf(&self.scene.geometry, hit)),
-            None => (last.sums, sampled * lights.environment_emission_ratio(ray.direction)),
+            None => (last.sums, sampled * lights.environment_emission_ratio(&last.place, ray.direction)),
         };
         Some((radiance, self.weighting.hit(&sums, last.pdf, sampled, emitted, acceptance)))
     }

@@ -51,8 +51,8 @@ pub fn direct_light(
         return Rgb::ZERO;
     }
     let u = random.block(dimension::light(camera.segments));
-    let origin = camera.hit.offset_towards(camera.hit.outgoing);
-    let Some(light) = scene.lights.sample_direct(&scene.geometry, origin, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
+    let place = scene.place(&camera.hit);
+    let Some(light) = scene.lights.sample_direct(&scene.geometry, &place, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
     let Some(reflected) = camera.reflect(scene, TransportMode::Radiance, light.direction) else { return Rgb::ZERO };
     let carried = camera.throughput * reflected.value * light.weighted_radiance;
     if carried == Rgb::ZERO || !is_open(scene, camera, light.direction, light.distance, counters) {

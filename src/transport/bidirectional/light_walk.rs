@@ -53,7 +53,7 @@ impl LightWalk<'_> {
             let cosine = hit.outgoing.dot(hit.geometric_normal).abs();
             sums = match segments {
                 1 => {
-                    let first = scene.lights.first_segment(&scene.geometry, &emitted, hit.position);
+                    let first = scene.lights.first_segment(&scene.geometry, &emitted, &scene.place(&hit));
                     self.weighting.start_light(&first, cosine)
                 }
                 _ => self.weighting.arrive(&sums, hit.distance * hit.distance, cosine),
