@@ -277,7 +277,7 @@ async fn bad_image_options_are_refused() {
     problem(farm.get(&image("image.png?brightness=1")).await, 400, "bad-query").await;
     let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
-    assert_eq!(unknown["remedy"], "known layers: radius, photons, albedo, normal, depth");
+    assert_eq!(unknown["remedy"], "known layers: radius, photons, error, albedo, normal, depth");
 }
 
 #[tokio::test(flavor = "multi_thread")]

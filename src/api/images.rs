@@ -39,7 +39,7 @@ pub struct ExrQuery {
 
 impl IntoParams for ExrQuery {
     fn into_params(_place: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
-        let known = LAYERS.map(|row| format!("`{}` ({})", row.name, row.meaning)).join(", ");
+        let known = LAYERS.map(|row| format!("`{}` ({})", row.name, row.description())).join(", ");
         let layers = ParameterBuilder::new()
             .name("layers")
             .parameter_in(ParameterIn::Query)

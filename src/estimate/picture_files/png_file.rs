@@ -23,7 +23,7 @@ pub fn encode_png_bytes(bytes: &[u8], width: u32, height: u32) -> Result<Vec<u8>
 }
 
 /// The sRGB transfer function (IEC 61966-2-1) and rounding. Negative and not-a-number give 0.
-fn srgb_byte(linear: f32) -> u8 {
+pub(crate) fn srgb_byte(linear: f32) -> u8 {
     let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
     (encoded * 255.0).round() as u8
 }
