@@ -25,6 +25,7 @@ mod signals;
 mod submit;
 mod terminal;
 mod watch;
+mod weight_maps;
 mod worker;
 
 use std::future::Future;
