@@ -136,18 +136,18 @@ async fn map(
         let values = Channels::of(&picture, &layers).and_then(|channels| channels.layer(&query.layer));
         draw(values, [picture.width, picture.height], &note, &query, encode)
     });
-    let bytes = drawn.await.map_err(|error| FarmError::Internal(error.to_string()))??;
+    let drawn = drawn.await.map_err(|error| FarmError::Internal(error.to_string()))?;
+    let bytes = drawn.map_err(|problem| *problem)?;
     Ok(image(media_type, &tag, bytes))
 }
 
-#[expect(clippy::result_large_err, reason = "made at most once a request")]
 fn draw(
     layer: Result<LayerValues, PictureFileError>,
     size: [u32; 2],
     note: &str,
     query: &MapQuery,
     encode: fn(&Drawing) -> Result<Vec<u8>, CanvasError>,
-) -> Result<Vec<u8>, Problem> {
+) -> Result<Vec<u8>, Box<Problem>> {
     let layer = layer.map_err(|error| Problem::bad_request(error.to_string(), "name one of these"))?;
     let drawing = draw_layer(layer, size, note, query.request()).map_err(|error| match error {
         ScaleError::NoValue { .. } => {
@@ -156,5 +156,5 @@ fn draw(
         }
         _ => Problem::bad_request(error.to_string(), "leave low, high and scale out to cover all values"),
     })?;
-    Ok(encode(&drawing).map_err(|error| FarmError::Internal(error.to_string()))?)
+    encode(&drawing).map_err(|error| Box::new(FarmError::Internal(error.to_string()).into()))
 }
