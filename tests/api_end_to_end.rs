@@ -354,6 +354,10 @@ async fn the_description_names_every_address() {
         "/v1/workers",
     ];
     assert_eq!(paths, expected);
+    let text = description.to_string();
+    let named = text.split("\"#/components/schemas/").skip(1).filter_map(|rest| rest.split('"').next());
+    let missing: Vec<&str> = named.filter(|name| description["components"]["schemas"][name].is_null()).collect();
+    assert!(missing.is_empty(), "{missing:?} are named and not described");
     let layers = &description["paths"]["/v1/jobs/{id}/image.exr"]["get"]["parameters"][1];
     assert_eq!((&layers["name"], &layers["in"]), (&json!("layers"), &json!("query")));
     let known = layers["description"].as_str().expect("a description");

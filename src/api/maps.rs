@@ -23,6 +23,7 @@ pub struct MapQuery {
     #[serde(default = "luminance")]
     pub layer: String,
     /// How values are spread over the colors; logarithmic by default where they are positive and differ much.
+    #[param(inline)]
     pub scale: Option<Scale>,
     /// Value of the first color; by default nearly all values are covered.
     pub low: Option<f64>,
