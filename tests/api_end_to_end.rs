@@ -158,8 +158,16 @@ async fn an_unchanged_image_is_not_sent_twice() {
     let id = farm.submit(json!({ "passes": 1 })).await;
     farm.events(&id).await;
     let mut tags = Vec::new();
-    let variants =
-        ["image.png", "image.png?exposure=1.5", "image.exr", "image.exr?layers=radius,photons", FIRST_SURFACE];
+    let variants = [
+        "image.png",
+        "image.png?exposure=1.5",
+        "image.exr",
+        "image.exr?layers=radius,photons",
+        FIRST_SURFACE,
+        "map.png?layer=radius",
+        "map.svg?layer=radius",
+        "map.svg?layer=radius&scale=log",
+    ];
     for variant in variants {
         let path = format!("/v1/jobs/{id}/{variant}");
         let first = farm.get(&path).await;
@@ -199,6 +207,48 @@ async fn first_surfaces_are_layers_in_any_order() {
     let again = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=depth,albedo,normal,depth")).await;
     assert_eq!(again.headers()[header::ETAG], tag);
     assert_eq!(again.bytes().await.expect("bytes"), bytes);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn layers_become_maps() {
+    let farm = Farm::start(1).await;
+    let id = farm.submit(json!({ "passes": 4 })).await;
+    farm.events(&id).await;
+    let channels = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=error")).await.bytes().await.expect("bytes");
+    let errors = exr_channels(&channels).remove("error.Y").expect("the layer");
+    assert!(errors.len() == 64 * 64 && errors.iter().all(|error| *error > 0.0 && *error < 1.0));
+    let map = |form: &str| {
+        let (farm, path) = (&farm, format!("/v1/jobs/{id}/map.{form}"));
+        async move { farm.get(&path).await }
+    };
+    let png = map("png?layer=error").await;
+    assert_eq!(png.headers()[header::CONTENT_TYPE], "image/png");
+    assert!(png.bytes().await.expect("bytes").starts_with(b"\x89PNG"));
+    for (query, title) in [
+        ("", "luminance: of the picture"),
+        ("?layer=radius&scale=linear&low=0&high=2", "radius: gather radius"),
+        ("?layer=normal.X", "normal.X: shading normal"),
+    ] {
+        let svg = map(&format!("svg{query}")).await;
+        assert_eq!(
+            (svg.status().as_u16(), &svg.headers()[header::CONTENT_TYPE]),
+            (200, &"image/svg+xml".parse().expect("a value"))
+        );
+        let text = svg.text().await.expect("text");
+        assert!(text.contains(title) && text.contains(&format!("{id}: sppm, 4 passes")), "{title}");
+    }
+    let unknown = problem(map("png?layer=raduis").await, 422, "bad-request").await;
+    assert!(unknown["remedy"].as_str().is_some_and(|remedy| remedy.contains("luminance, radius")), "{unknown}");
+    let three = problem(map("svg?layer=normal").await, 422, "bad-request").await;
+    assert!(three["detail"].as_str().is_some_and(|detail| detail.contains("normal.X")), "{three}");
+    problem(map("png?low=2&high=1").await, 422, "bad-request").await;
+    problem(map("png?scale=log&low=0").await, 422, "bad-request").await;
+    problem(map("png?scale=cubic").await, 400, "bad-query").await;
+    problem(farm.get("/v1/jobs/none/map.png").await, 404, "unknown-job").await;
+    // One pass tells nothing of its error.
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    farm.events(&id).await;
+    problem(farm.get(&format!("/v1/jobs/{id}/map.png?layer=error")).await, 404, "no-value-yet").await;
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -277,7 +327,7 @@ async fn bad_image_options_are_refused() {
     problem(farm.get(&image("image.png?brightness=1")).await, 400, "bad-query").await;
     let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
-    assert_eq!(unknown["remedy"], "known layers: radius, photons, albedo, normal, depth");
+    assert_eq!(unknown["remedy"], "known layers: radius, photons, error, albedo, normal, depth");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -296,12 +346,18 @@ async fn the_description_names_every_address() {
         "/v1/jobs/{id}/events",
         "/v1/jobs/{id}/image.exr",
         "/v1/jobs/{id}/image.png",
+        "/v1/jobs/{id}/map.png",
+        "/v1/jobs/{id}/map.svg",
         "/v1/methods",
         "/v1/scenes",
         "/v1/scenes/{hash}",
         "/v1/workers",
     ];
     assert_eq!(paths, expected);
+    let text = description.to_string();
+    let named = text.split("\"#/components/schemas/").skip(1).filter_map(|rest| rest.split('"').next());
+    let missing: Vec<&str> = named.filter(|name| description["components"]["schemas"][name].is_null()).collect();
+    assert!(missing.is_empty(), "{missing:?} are named and not described");
     let layers = &description["paths"]["/v1/jobs/{id}/image.exr"]["get"]["parameters"][1];
     assert_eq!((&layers["name"], &layers["in"]), (&json!("layers"), &json!("query")));
     let known = layers["description"].as_str().expect("a description");

@@ -64,6 +64,34 @@ fn noise_that_was_put_in_is_found() {
     }
 }
 
+/// The left half is noisy, the right half is not: the standard error of the mean of n passes is σ/√n, and 0.
+#[test]
+fn standard_errors_stand_where_the_noise_is() {
+    let (passes, strength) = (16, 0.5);
+    let is_noisy = |pixel: u32| pixel % SIZE < SIZE / 2;
+    let estimate = invented(passes, |pass, pixel| Sample {
+        radiance: if is_noisy(pixel) { 2.0 + strength * noise(pass, pixel, 0) } else { 2.0 },
+        density: 0.0,
+        inner: 0.0,
+    });
+    let errors = estimate.standard_error().expect("both twins have passes");
+    let variance = f64::from(strength * strength) / 3.0 / f64::from(passes);
+    let at = |column: u32| (0..SIZE).map(move |row| row * SIZE + column);
+    let mean_square = |columns: std::ops::Range<u32>| {
+        let squares = columns.flat_map(at).map(|pixel| f64::from(errors[pixel as usize]).powi(2));
+        let squares: Vec<f64> = squares.collect();
+        squares.iter().sum::<f64>() / squares.len() as f64
+    };
+    // 1920 squared differences: ± 3.2 % of their mean.
+    let ratio = mean_square(0..SIZE / 2 - 1) / variance;
+    assert!((ratio - 1.0).abs() < 0.12, "{ratio} of the variance that was put in");
+    // A third of the pixels around are noisy on one side of the border, two thirds on the other: 64 rows, ± 25 %.
+    let border =
+        [mean_square(SIZE / 2 - 1..SIZE / 2), mean_square(SIZE / 2..SIZE / 2 + 1)].map(|square| square / variance);
+    assert!((0.4..0.95).contains(&border[0]) && (0.15..0.55).contains(&border[1]), "{border:?}");
+    assert_eq!(mean_square(SIZE / 2 + 1..SIZE), 0.0);
+}
+
 /// L(R²) = 1 + c·R²: the disc finds 1 + c, half its area half of 1 + c/2.
 #[test]
 fn bias_that_was_put_in_is_found() {
@@ -87,6 +115,8 @@ fn nothing_is_said_before_both_twins_have_a_pass() {
     assert_eq!(invented(0, sample).error(), None);
     assert_eq!(invented(1, sample).error(), None);
     assert!(invented(2, sample).error().is_some());
+    assert_eq!(invented(1, sample).standard_error(), None);
+    assert_eq!(invented(2, sample).standard_error(), Some(vec![0.0; (SIZE * SIZE) as usize]));
 }
 
 /// A black picture has no scale to measure an error by.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use photonfarm::math::Vec3;
 use photonfarm::math::random::{PassRandom, PathRandom, Stream, dimension};
+use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Interaction;
 use photonfarm::scene::light::SeenPoint;
@@ -18,6 +19,7 @@ use photonfarm::transport::bidirectional::{
 };
 use photonfarm::transport::{Counters, Limits};
 use progressive::{Job, reference_scene};
+use serde_json::json;
 
 const LIGHT_PATHS: f32 = 5000.0;
 const RADIUS_SQUARED: f32 = 4e-4;
@@ -280,4 +282,26 @@ fn strategies_of_a_length_add_up() {
     for (sum, whole) in sum.iter().flatten().zip(whole.iter().flatten()) {
         assert!((sum - whole).abs() <= 1e-5 * whole.abs().max(1.0), "{sum} and {whole}");
     }
+}
+
+#[test]
+fn strategies_are_those_of_the_techniques() {
+    let strategies = |name: &str, parameters: serde_json::Value| {
+        let parameters = parameters.as_object().cloned().unwrap_or_default();
+        let found = method::strategies(&MethodChoice { name: name.to_owned(), parameters }, 3);
+        found.map(|found| {
+            found.iter().map(|way| (way.segments, way.light, way.camera, way.merges())).collect::<Vec<_>>()
+        })
+    };
+    let [hit, direct, seen] = [(2, 0, 3, false), (2, 1, 2, false), (2, 2, 1, false)];
+    let longer = [(3, 0, 4, false), (3, 1, 3, false), (3, 2, 2, false), (3, 3, 1, false)];
+    assert_eq!(strategies("bdpt", json!({})), Ok([[hit, direct, seen].as_slice(), &longer].concat()));
+    let merged = [(3, 1, 2, true), (3, 2, 1, true)];
+    assert_eq!(strategies("vcm", json!({"length": 3})), Ok([longer.as_slice(), &merged].concat()));
+    let photons = json!({"camera_hits": "off", "max_depth": 2});
+    assert_eq!(strategies("pbdpm", photons), Ok(vec![hit, (2, 1, 1, true)]));
+    assert_eq!(strategies("bdpt", json!({"strategy": "1,2"})), Ok(vec![direct]));
+    assert_eq!(strategies("bdpt", json!({"max_depth": 1})), Ok(vec![]));
+    let refused = strategies("sppm", json!({})).expect_err("one way only").to_string();
+    assert!(refused.ends_with("bdpt, bdpm, pbdpm, vcm do"), "{refused}");
 }

@@ -8,8 +8,8 @@ use std::path::Path;
 use exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{
-    LAYERS, Layer, LayerRow, PictureFileError, PictureFormat, PictureLayer, PictureMetadata, UnknownLayer,
-    check_writable, decode_exr, encode_exr, encode_png, read_exr, write_file,
+    LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureFileError, PictureFormat, PictureLayer, PictureMetadata,
+    UnknownLayer, check_writable, decode_channels, decode_exr, encode_exr, encode_png, read_exr, write_file,
 };
 
 fn picture() -> Picture {
@@ -54,6 +54,34 @@ fn layers_are_found_by_name() {
     assert_eq!(Layer::parse_list(" depth, radius,,depth"), Ok(vec![Layer::Radius, Layer::Depth]));
     assert_eq!(Layer::parse_list(""), Ok(Vec::new()));
     assert_eq!(Layer::parse_list("radius,detph"), Err(UnknownLayer("detph".to_owned())));
+}
+
+#[test]
+fn channels_are_read_by_the_names_of_layers() {
+    let layers = [
+        PictureLayer { layer: Layer::Depth, channels: vec![[vec![2.0; 850], vec![NOTHING_SEEN]].concat()] },
+        PictureLayer { layer: Layer::Albedo, channels: vec![vec![1.0; 851], vec![0.5; 851], vec![0.25; 851]] },
+        PictureLayer { layer: Layer::Normal, channels: vec![vec![0.0; 851], vec![-1.0; 851], vec![1.0; 851]] },
+    ];
+    let bytes = encode_exr(&picture(), &layers, &metadata()).expect("encodes");
+    let channels = decode_channels(&bytes).expect("decodes");
+    assert_eq!((channels.width, channels.height), (37, 23));
+    assert_eq!(channels.layer_names(), ["luminance", "albedo", "depth", "normal.X", "normal.Y", "normal.Z"]);
+    let depth = channels.layer("depth").expect("the layer");
+    assert_eq!((depth.values[0], depth.values[850].is_nan(), depth.unit), (2.0, true, "m"));
+    let close = |found: f32, expected: f32| assert!((found - expected).abs() < 1e-5 * expected, "{found}, {expected}");
+    close(channels.layer("albedo").expect("the layer").values[3], 0.2126 + 0.5 * 0.7152 + 0.25 * 0.0722);
+    close(channels.layer("luminance").expect("the picture").values[0], 0.7152);
+    assert_eq!(channels.layer("R").expect("a channel").values[5], 5.0 * 0.01);
+    assert_eq!(channels.layer("normal.Y").expect("a channel").values, vec![-1.0; 851]);
+    for name in ["normal", "radius", "albedo.X", ""] {
+        let error = channels.layer(name).expect_err("no such layer").to_string();
+        assert!(error.contains(name) && error.contains("luminance, albedo, depth, normal.X"), "{error}");
+    }
+    // Another program's picture of one channel.
+    let noise = std::fs::read("tests/references/cornell-glass/stderr.exr").expect("a reference");
+    let noise = decode_channels(&noise).expect("decodes");
+    assert_eq!(noise.layer("luminance").expect("grey").values.len(), 128 * 128);
 }
 
 #[test]

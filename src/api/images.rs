@@ -39,7 +39,7 @@ pub struct ExrQuery {
 
 impl IntoParams for ExrQuery {
     fn into_params(_place: impl Fn() -> Option<ParameterIn>) -> Vec<Parameter> {
-        let known = LAYERS.map(|row| format!("`{}` ({})", row.name, row.meaning)).join(", ");
+        let known = LAYERS.map(|row| format!("`{}` ({})", row.name, row.description())).join(", ");
         let layers = ParameterBuilder::new()
             .name("layers")
             .parameter_in(ParameterIn::Query)
@@ -148,7 +148,12 @@ fn wanted_layers(list: &str) -> Result<Vec<Layer>, Problem> {
 }
 
 fn encode_exr_of(picture: &Picture, layers: &[PictureLayer], status: &JobStatus) -> Result<Vec<u8>, PictureFileError> {
-    let metadata = PictureMetadata {
+    encode_exr(picture, layers, &metadata_of(status))
+}
+
+/// What the header of an EXR says of a job.
+pub fn metadata_of(status: &JobStatus) -> PictureMetadata {
+    PictureMetadata {
         job: status.id.clone(),
         method: status.method.clone(),
         parameters: status.parameters.clone(),
@@ -156,8 +161,7 @@ fn encode_exr_of(picture: &Picture, layers: &[PictureLayer], status: &JobStatus)
         photons_emitted: status.photons_emitted,
         seed: status.seed,
         scene: status.scene.clone(),
-    };
-    encode_exr(picture, layers, &metadata)
+    }
 }
 
 /// Runs an encoder where it does not hold up other requests.
@@ -169,7 +173,7 @@ async fn encode(
 }
 
 /// Names the bytes by all that they follow from; ids alone begin anew when a coordinator does.
-fn etag(status: &JobStatus, variant: &str) -> String {
+pub(super) fn etag(status: &JobStatus, variant: &str) -> String {
     let parameters = serde_json::Value::Object(status.parameters.clone()).to_string();
     let JobStatus { id, scene, method, seed, passes_done, photons_emitted, picture_version, .. } = status;
     let counts = [*seed, u64::from(*passes_done), *photons_emitted, *picture_version].map(|count| count.to_string());
@@ -179,7 +183,7 @@ fn etag(status: &JobStatus, variant: &str) -> String {
 }
 
 /// The answer 304, when the request names the picture that there is now.
-fn unchanged(status: &JobStatus, variant: &str, headers: &HeaderMap) -> Option<Response> {
+pub(super) fn unchanged(status: &JobStatus, variant: &str, headers: &HeaderMap) -> Option<Response> {
     let tag = etag(status, variant);
     let named = headers.get_all(header::IF_NONE_MATCH).iter().filter_map(|value| value.to_str().ok());
     let matches =
@@ -189,7 +193,7 @@ fn unchanged(status: &JobStatus, variant: &str, headers: &HeaderMap) -> Option<R
     })
 }
 
-fn image(content_type: &'static str, tag: &str, bytes: Vec<u8>) -> Response {
+pub(super) fn image(content_type: &'static str, tag: &str, bytes: Vec<u8>) -> Response {
     let headers = [(header::CONTENT_TYPE, content_type), (header::CACHE_CONTROL, "no-cache"), (header::ETAG, tag)];
     (headers, bytes).into_response()
 }

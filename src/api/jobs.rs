@@ -64,6 +64,8 @@ pub struct JobLinks {
     pub image_exr: String,
     /// Its own error estimate over time, a chart.
     pub chart_svg: String,
+    /// A layer in false colors, with its scale.
+    pub map_png: String,
     /// POST here to stop it.
     pub cancel: String,
 }
@@ -83,6 +85,7 @@ impl From<JobStatus> for JobView {
             image_png: format!("{this}/image.png"),
             image_exr: format!("{this}/image.exr"),
             chart_svg: format!("{this}/chart.svg"),
+            map_png: format!("{this}/map.png"),
             cancel: format!("{this}/cancel"),
             this,
         };

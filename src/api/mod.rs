@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`problem`] | every error answer, `application/problem+json` |
 //! | [`extract`] | path, query and body of a request, with errors as problems |
-//! | [`scenes`], [`jobs`], [`images`], [`events`], [`methods`], [`workers`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`images`], [`maps`], [`events`], [`methods`], [`workers`] | the endpoints |
 //! | [`openapi`] | the description of all this, generated from the handlers |
 
 pub mod dashboard;
@@ -12,6 +12,7 @@ pub mod events;
 pub mod extract;
 pub mod images;
 pub mod jobs;
+pub mod maps;
 pub mod methods;
 pub mod openapi;
 pub mod problem;
@@ -75,6 +76,8 @@ fn described_routes() -> OpenApiRouter<ApiState> {
         .routes(routes!(images::image_png))
         .routes(routes!(images::image_exr))
         .routes(routes!(images::chart_svg))
+        .routes(routes!(maps::map_png))
+        .routes(routes!(maps::map_svg))
         .routes(routes!(methods::list_methods))
         .routes(routes!(workers::list_workers));
     OpenApiRouter::with_openapi(openapi::Description::openapi()).routes(routes!(workers::health)).nest("/v1", version_1)

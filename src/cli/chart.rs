@@ -7,7 +7,7 @@ use clap::Args;
 use super::evaluate::measure;
 use super::exit_code::CliError;
 use crate::estimate::picture_files::{check_writable, write_file};
-use crate::evaluation::chart::{ChartData, ChartKind, ReportError, report, to_png, to_svg};
+use crate::evaluation::chart::{CanvasError, ChartData, ChartKind, Drawing, ReportError, report, to_png, to_svg};
 use crate::evaluation::{Measure, read_peers, read_results};
 
 /// Draw results of `evaluate` (docs/EVALUATION.md).
@@ -35,12 +35,13 @@ pub(super) struct Chart {
 }
 
 /// What a file holds, by the end of its name.
-#[derive(Clone, Copy, PartialEq)]
 enum Format {
     Html,
-    Svg,
-    Png,
+    Drawing(Encoder),
 }
+
+/// Makes a file of a drawing.
+pub(super) type Encoder = fn(&Drawing) -> Result<Vec<u8>, CanvasError>;
 
 impl Chart {
     pub(super) fn run(self) -> Result<(), CliError> {
@@ -63,8 +64,7 @@ impl Chart {
                     let folder = self.results.parent().unwrap_or(Path::new(""));
                     report(&data, &records, folder)?.into_bytes()
                 }
-                Format::Svg => to_svg(&data.draw(self.kind)).map_err(CliError::failed)?.into_bytes(),
-                Format::Png => to_png(&data.draw(self.kind)).map_err(CliError::failed)?,
+                Format::Drawing(encode) => encode(&data.draw(self.kind)).map_err(CliError::failed)?,
             };
             write_file(path, &bytes)?;
         }
@@ -82,14 +82,21 @@ impl From<ReportError> for CliError {
 }
 
 fn format(path: &Path) -> Result<Format, CliError> {
-    match path.extension().and_then(|extension| extension.to_str()) {
-        Some("html") => Ok(Format::Html),
-        Some("svg") => Ok(Format::Svg),
-        Some("png") => Ok(Format::Png),
-        _ => {
-            let text = format!("\"{}\" does not say what it is; end the name in .html, .svg or .png", path.display());
-            Err(CliError::BadInput(text))
-        }
+    if path.extension().is_some_and(|extension| extension == "html") {
+        return Ok(Format::Html);
+    }
+    drawing_encoder(path).map(Format::Drawing).ok_or_else(|| {
+        let text = format!("\"{}\" does not say what it is; end the name in .html, .svg or .png", path.display());
+        CliError::BadInput(text)
+    })
+}
+
+/// What the end of a file's name asks for; `None` where that is no drawing.
+pub(super) fn drawing_encoder(path: &Path) -> Option<Encoder> {
+    match path.extension()?.to_str()? {
+        "svg" => Some(|drawing| to_svg(drawing).map(String::into_bytes)),
+        "png" => Some(to_png),
+        _ => None,
     }
 }
 

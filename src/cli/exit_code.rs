@@ -71,7 +71,9 @@ impl From<PictureFileError> for CliError {
     fn from(error: PictureFileError) -> Self {
         match error {
             PictureFileError::Encode { .. } => Self::failed(error),
-            PictureFileError::UnknownFormat { .. } => Self::BadInput(error.to_string()),
+            PictureFileError::UnknownFormat { .. } | PictureFileError::UnknownLayer { .. } => {
+                Self::BadInput(error.to_string())
+            }
             _ => Self::File(error.to_string()),
         }
     }

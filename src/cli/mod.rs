@@ -11,6 +11,7 @@ mod import;
 mod job_options;
 mod jobs;
 mod local_farm;
+mod map;
 mod methods;
 mod outputs;
 mod plan;
@@ -24,6 +25,7 @@ mod signals;
 mod submit;
 mod terminal;
 mod watch;
+mod weight_maps;
 mod worker;
 
 use std::future::Future;
@@ -77,6 +79,8 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     /// Draw results of `evaluate`.
     Chart(chart::Chart),
+    /// Draw a layer of a picture in false colors, with its scale.
+    Map(map::Map),
 }
 
 /// Reads the command line, does what it says and tells the exit code.
@@ -113,6 +117,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Compare(command) => command.run(),
         Command::Evaluate(command) => command.run(),
         Command::Chart(command) => command.run(),
+        Command::Map(command) => command.run(),
     }
 }
 

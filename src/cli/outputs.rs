@@ -55,7 +55,7 @@ impl OutputOptions {
 }
 
 fn layer_names() -> PossibleValuesParser {
-    LAYERS.map(|row| PossibleValue::new(row.name).help(row.meaning)).into()
+    LAYERS.map(|row| PossibleValue::new(row.name).help(row.description())).into()
 }
 
 /// `<name>.exr` and `<name>.png` in the current folder. A scene file that is called `scene` has its folder's name.

@@ -28,6 +28,17 @@ impl Progress {
         Self { bar, last_line: None }
     }
 
+    /// Says what is shown from here on.
+    pub(super) fn announce(&mut self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.println(text),
+            None => {
+                self.last_line = Some(Instant::now());
+                terminal::note(text);
+            }
+        }
+    }
+
     pub(super) fn show(&mut self, status: &JobStatus) {
         if let Some(bar) = &self.bar {
             bar.set_position((share_done(status) * STEPS as f64) as u64);

@@ -1,5 +1,7 @@
 //! `render`: a scene on this machine, by a coordinator and workers in this process.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::client::Client;
@@ -8,7 +10,7 @@ use super::job_options::JobOptions;
 use super::local_farm::{LocalFarm, threads_per_worker};
 use super::outputs::{OutputOptions, default_outputs};
 use super::progress::{Progress, rate};
-use super::{scene_file, signals, terminal};
+use super::{scene_file, signals, terminal, weight_maps};
 use crate::farm::job::{JobState, JobStatus};
 
 /// Render a scene on this machine.
@@ -21,6 +23,10 @@ pub(super) struct Render {
     job: JobOptions,
     #[command(flatten)]
     output: OutputOptions,
+    /// Also render how the method weighs its strategies: weights per pixel as layers of this file, and a sheet of them beside
+    /// it as .png. Each strategy is a job of as many passes as the picture: of --length N, or else those of 2 to 4 segments.
+    #[arg(long, value_name = "FILE.exr")]
+    weight_maps: Option<PathBuf>,
     /// Workers to start; the picture does not depend on it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     workers: u16,
@@ -35,6 +41,7 @@ impl Render {
             self.output.outputs = default_outputs(&self.job.scene);
         }
         self.output.check()?;
+        self.weight_maps.as_deref().map(weight_maps::check).transpose()?;
         let scene = scene_file::pack(&self.job.scene, &self.job.defines)?;
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
@@ -60,6 +67,7 @@ impl Render {
         for notice in &job.notices {
             terminal::note(&format!("note: {notice}"));
         }
+        let strategies = self.weight_maps.as_ref().map(|_| weight_maps::strategies(&job)).transpose()?;
         let mut progress = Progress::new();
         let (status, interrupted) = follow_or_cancel(client, &job.id, &mut progress).await?;
         progress.finish();
@@ -74,14 +82,21 @@ impl Render {
                 terminal::note("nothing was rendered yet: no picture is written");
                 Err(CliError::Interrupted)
             }
-            (false, true) => Ok(()),
+            (false, true) => match self.weight_maps.as_deref().zip(strategies) {
+                Some((file, strategies)) => weight_maps::write(client, &status, &strategies, file).await,
+                None => Ok(()),
+            },
             (false, false) => Err(CliError::Failed("the job ended without a picture; give it more time".to_owned())),
         }
     }
 }
 
 /// The job's last status, and whether the user stopped it.
-async fn follow_or_cancel(client: &Client, id: &str, progress: &mut Progress) -> Result<(JobStatus, bool), CliError> {
+pub(super) async fn follow_or_cancel(
+    client: &Client,
+    id: &str,
+    progress: &mut Progress,
+) -> Result<(JobStatus, bool), CliError> {
     tokio::select! {
         status = client.follow(id, |status| progress.show(status)) => return Ok((status?, false)),
         interrupted = signals::interrupted() => interrupted?,

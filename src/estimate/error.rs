@@ -55,10 +55,7 @@ struct PixelError {
 impl Estimate {
     /// The error of [`Estimate::picture`]; `None` before each twin has a pass in every region.
     pub fn error(&self) -> Option<ErrorEstimate> {
-        let mut pixels = Vec::with_capacity(self.pixels.len());
-        for progress in &self.progress {
-            self.region_errors(progress, &mut pixels)?;
-        }
+        let pixels = self.pixel_errors()?;
         let count = pixels.len() as f64;
         let mean = pixels.iter().map(|pixel| pixel.gray).sum::<f64>() / count;
         if mean <= 0.0 {
@@ -79,6 +76,30 @@ impl Estimate {
         let bias = bias.max(0.0);
         let bound = MARGIN * (noise + bias) + DEVIATIONS * deviation_of_mean(&blocks);
         Some(ErrorEstimate { noise, bias, bound })
+    }
+
+    /// The standard error of every pixel of [`Estimate::picture`], W·sr⁻¹·m⁻²: by noise alone, root mean square of the channels and of the
+    /// 3 × 3 pixels around, since two twins tell little of a single one. `None` before each twin has a pass in every region.
+    pub fn standard_error(&self) -> Option<Vec<f32>> {
+        let pixels = self.pixel_errors()?;
+        let (width, height) = (self.width as usize, self.height as usize);
+        let around = |place: usize, size: usize| place.saturating_sub(1)..(place + 2).min(size);
+        let at = |index: usize| {
+            let (rows, columns) = (around(index / width, height), around(index % width, width));
+            let count = rows.len() * columns.len();
+            let row_sum =
+                |row: usize| pixels[row * width..][columns.clone()].iter().map(|pixel| pixel.variance).sum::<f64>();
+            (rows.map(row_sum).sum::<f64>() / count as f64).sqrt() as f32
+        };
+        Some((0..pixels.len()).map(at).collect())
+    }
+
+    fn pixel_errors(&self) -> Option<Vec<PixelError>> {
+        let mut pixels = Vec::with_capacity(self.pixels.len());
+        for progress in &self.progress {
+            self.region_errors(progress, &mut pixels)?;
+        }
+        Some(pixels)
     }
 
     fn region_errors(&self, progress: &RegionProgress, pixels: &mut Vec<PixelError>) -> Option<()> {

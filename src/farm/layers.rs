@@ -57,6 +57,8 @@ fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
     let values = match layer {
         Layer::Radius => pixels.map(|pixel| pixel.radius_squared.sqrt() as f32).collect(),
         Layer::Photons => pixels.map(|pixel| pixel.photons as f32).collect(),
+        // Nothing is known before each twin has a pass.
+        Layer::Error => estimate.standard_error().unwrap_or_else(|| vec![f32::NAN; estimate.pixels.len()]),
         Layer::Albedo | Layer::Normal | Layer::Depth => return None,
     };
     Some(PictureLayer { layer, channels: vec![values] })
@@ -71,7 +73,7 @@ fn of_first_surface(layer: Layer, seen: &[FirstSurface]) -> Option<PictureLayer>
         Layer::Albedo => axes(|pixel| pixel.albedo.to_array()),
         Layer::Normal => axes(|pixel| pixel.normal.to_array()),
         Layer::Depth => vec![seen.iter().map(|pixel| pixel.depth).collect()],
-        Layer::Radius | Layer::Photons => return None,
+        Layer::Radius | Layer::Photons | Layer::Error => return None,
     };
     Some(PictureLayer { layer, channels })
 }

@@ -34,6 +34,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::None,
     parameters: RECIPE.parameters,
     negative_lobes: true,
+    strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),

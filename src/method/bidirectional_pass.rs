@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::bidirectional_parameters::BidirectionalParameters;
 use super::parameters::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PreparedMethod};
+use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PreparedMethod, Strategy};
 use crate::estimate::{PixelTally, Region};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, Stream, dimension};
@@ -65,6 +65,21 @@ impl Recipe {
         let parameters = BidirectionalParameters::read(self.name, &method.choice, self.parameters)?;
         let techniques = (self.techniques)(&parameters);
         Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
+    }
+
+    /// The strategies of a choice: those of the paths that it looks at, else of all from 2 to `longest` segments.
+    pub fn strategies(&self, choice: &MethodChoice, longest: u32) -> Result<Vec<Strategy>, MethodError> {
+        let parameters = BidirectionalParameters::read(self.name, choice, self.parameters)?;
+        let (techniques, limits, selection) =
+            ((self.techniques)(&parameters), parameters.limits(), parameters.selection());
+        let lengths = selection.length.map_or(2..=longest, |length| length..=length);
+        let of_length = |segments: u32| {
+            let pairs = techniques
+                .strategies(segments)
+                .filter(move |[light, camera]| selection.takes(segments, *light, *camera));
+            pairs.map(move |[light, camera]| Strategy { segments, light, camera })
+        };
+        Ok(lengths.filter(|segments| limits.allows(*segments)).flat_map(of_length).collect())
     }
 }
 

@@ -28,6 +28,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::None,
     parameters: RECIPE.parameters,
     negative_lobes: true,
+    strategies: None,
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),

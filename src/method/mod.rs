@@ -46,6 +46,8 @@ pub struct MethodEntry {
     /// every mean right, but even where a picture is even they are noise, which only methods do not mind whose paths are as
     /// noisy.
     pub negative_lobes: bool,
+    /// The ways of finding paths that it tells apart, up to so many segments; `None` where there is no `strategy` to choose.
+    strategies: Option<Strategies>,
     /// Light of a scene with such traits that it never finds, if there is any, and methods that do.
     blind_to: fn(&CheckedMethod, SceneTraits) -> Option<&'static str>,
     /// Checks parameters for a picture of so many pixels and writes every default out.
@@ -65,6 +67,9 @@ pub enum Bias {
     Stays,
 }
 
+/// A choice and a number of segments to strategies.
+type Strategies = fn(&MethodChoice, u32) -> Result<Vec<Strategy>, MethodError>;
+
 /// Scene, checked choice and job seed to a prepared method.
 type PrepareMethod = fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>;
 
@@ -80,6 +85,24 @@ pub const METHODS: &[MethodEntry] = &[
     pbdpm::ENTRY,
     vcm::ENTRY,
 ];
+
+/// A way of finding paths of a length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Strategy {
+    /// Segments of the paths.
+    pub segments: u32,
+    /// Vertices of the light subpath, 0 where the camera subpath hits a light; segments where subpaths are merged.
+    pub light: u32,
+    /// Vertices of the camera subpath; segments where subpaths are merged.
+    pub camera: u32,
+}
+
+impl Strategy {
+    /// Whether it merges subpaths, which adds no segment between them.
+    pub fn merges(self) -> bool {
+        self.light + self.camera == self.segments
+    }
+}
 
 /// What of a scene decides whether a method finds all its light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,6 +221,21 @@ fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
 /// Checks a choice against the table. `pixels` is the picture's size, from which `photons_per_pass: auto` follows.
 pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
     (entry(&choice.name)?.check)(choice, pixels)
+}
+
+/// The strategies of a choice: of the paths that it looks at, else of all from 2 to `longest` segments.
+///
+/// # Errors
+/// The method does not tell strategies apart, or a parameter is wrong.
+pub fn strategies(choice: &MethodChoice, longest: u32) -> Result<Vec<Strategy>, MethodError> {
+    let entry = entry(&choice.name)?;
+    let Some(strategies) = entry.strategies else {
+        let able = METHODS.iter().filter(|entry| entry.strategies.is_some()).map(|entry| entry.name);
+        let remedy = format!("{} do", able.collect::<Vec<_>>().join(", "));
+        let problem = "it does not tell strategies apart".to_owned();
+        return Err(MethodError::Parameter { method: entry.name, problem, remedy });
+    };
+    strategies(choice, longest)
 }
 
 /// What a user should know of light that a method never finds in a scene.

@@ -5,6 +5,7 @@
 
 use rayon::prelude::*;
 
+pub use crate::estimate::picture_files::NOTHING_SEEN;
 use crate::math::random::{PathRandom, Stream, dimension};
 use crate::math::{Rgb, Vec3};
 use crate::scene::Scene;
@@ -16,10 +17,6 @@ const CELLS: u32 = 4;
 const RAYS: u32 = CELLS * CELLS;
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
-
-/// The depth of pixels in which nothing is seen, m. It is behind everything and yet finite: infinity times a weight of 0
-/// would spread NaN when a picture is blurred or scaled.
-pub const NOTHING_SEEN: f32 = 1e10;
 
 /// What a pixel sees first.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -4,12 +4,12 @@ use std::io::Cursor;
 use std::path::Path;
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, ReadChannels, ReadLayers, Vec2,
-    WritableImage, read,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Layers, ReadChannels, ReadLayers,
+    Vec2, WritableImage, read,
 };
 
 use super::exr_attributes::{attributes, sort_attributes};
-use super::{PictureFileError, PictureLayer, PictureMetadata};
+use super::{Channels, PictureFileError, PictureLayer, PictureMetadata};
 use crate::estimate::Picture;
 
 /// Encodes a picture with its origin and any further layers: one part, ZIP-compressed, deterministic.
@@ -18,23 +18,18 @@ pub fn encode_exr(
     layers: &[PictureLayer],
     metadata: &PictureMetadata,
 ) -> Result<Vec<u8>, PictureFileError> {
-    let size = Vec2(picture.width as usize, picture.height as usize);
-    let color = |index: usize| picture.radiance.iter().map(|pixel| pixel[index]).collect();
-    let mut channels = vec![("R", color(0)), ("G", color(1)), ("B", color(2))];
-    for PictureLayer { layer, channels: values } in layers {
-        let row = layer.row();
-        if values.len() != row.channels.len() {
-            let problem =
-                format!("layer {} has {} channels where {} belong", row.name, values.len(), row.channels.len());
-            return Err(PictureFileError::Encode { problem });
-        }
-        channels.extend(row.channels.iter().copied().zip(values.iter().cloned()));
-    }
+    encode_channels(Channels::of(picture, layers)?, metadata)
+}
+
+/// Encodes channels of any names with their origin, as [`encode_exr`] does.
+pub fn encode_channels(channels: Channels, metadata: &PictureMetadata) -> Result<Vec<u8>, PictureFileError> {
+    let size = Vec2(channels.width as usize, channels.height as usize);
+    let channels = channels.named;
     if let Some((name, values)) = channels.iter().find(|(_, values)| values.len() != size.area() || values.is_empty()) {
         let problem = format!("channel {name} has {} values for {} × {} pixels", values.len(), size.0, size.1);
         return Err(PictureFileError::Encode { problem });
     }
-    let channels = channels.into_iter().map(|(name, values)| AnyChannel::new(name, FlatSamples::F32(values)));
+    let channels = channels.into_iter().map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)));
     let layer_attributes = LayerAttributes {
         software_name: Some(concat!("photonfarm ", env!("CARGO_PKG_VERSION")).into()),
         other: attributes(metadata).into_iter().collect(),
@@ -53,20 +48,9 @@ pub fn encode_exr(
 /// Decodes the colour of any EXR picture with 16- or 32-bit channels R, G, B or one channel Y (then grey); the first
 /// part that has them. Other channels are skipped.
 pub fn decode_exr(bytes: &[u8]) -> Result<Picture, PictureFileError> {
-    let decode_error = |problem: String| PictureFileError::Decode { problem };
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|error| decode_error(error.to_string()))?;
+    let image = decode(bytes)?;
     let found = image.layer_data.iter().find_map(|layer| Some((layer.size, color_channels(&layer.channel_data.list)?)));
-    let (size, [red, green, blue]) = found.ok_or_else(|| decode_error("there is no color channel".to_owned()))?;
-    let dimension =
-        |value: usize| u32::try_from(value).map_err(|_| decode_error("the picture is too large".to_owned()));
+    let (size, [red, green, blue]) = found.ok_or_else(|| decode_error("there is no color channel"))?;
     let colors = red.values_as_f32().zip(green.values_as_f32()).zip(blue.values_as_f32());
     Ok(Picture {
         width: dimension(size.width())?,
@@ -75,15 +59,61 @@ pub fn decode_exr(bytes: &[u8]) -> Result<Picture, PictureFileError> {
     })
 }
 
+/// Decodes all channels of an EXR picture; of several parts, those that are as large as the first, named `part.channel`.
+pub fn decode_channels(bytes: &[u8]) -> Result<Channels, PictureFileError> {
+    let parts = decode(bytes)?.layer_data;
+    let (size, several) = (parts.first().map_or(Vec2(0, 0), |part| part.size), parts.len() > 1);
+    let mut named = Vec::new();
+    for part in parts.into_iter().filter(|part| part.size == size) {
+        let prefix = part.attributes.layer_name.filter(|_| several).map_or(String::new(), |name| format!("{name}."));
+        let channels = part.channel_data.list.into_iter();
+        named.extend(
+            channels
+                .map(|channel| (format!("{prefix}{}", channel.name), channel.sample_data.values_as_f32().collect())),
+        );
+    }
+    Ok(Channels { width: dimension(size.width())?, height: dimension(size.height())?, named })
+}
+
 /// Reads and decodes an EXR file.
 pub fn read_exr(path: &Path) -> Result<Picture, PictureFileError> {
+    read_file(path, decode_exr)
+}
+
+/// Reads and decodes all channels of an EXR file.
+pub fn read_channels(path: &Path) -> Result<Channels, PictureFileError> {
+    read_file(path, decode_channels)
+}
+
+fn read_file<T>(path: &Path, decoder: fn(&[u8]) -> Result<T, PictureFileError>) -> Result<T, PictureFileError> {
     let bytes = std::fs::read(path).map_err(|source| PictureFileError::Read { path: path.to_owned(), source })?;
-    decode_exr(&bytes).map_err(|error| match error {
+    decoder(&bytes).map_err(|error| match error {
         PictureFileError::Decode { problem } => {
             PictureFileError::Decode { problem: format!("cannot read \"{}\": {problem}", path.display()) }
         }
         other => other,
     })
+}
+
+/// All parts of a file.
+fn decode(bytes: &[u8]) -> Result<Image<Layers<AnyChannels<FlatSamples>>>, PictureFileError> {
+    read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(|error| decode_error(&error.to_string()))
+}
+
+fn decode_error(problem: &str) -> PictureFileError {
+    PictureFileError::Decode { problem: problem.to_owned() }
+}
+
+fn dimension(value: usize) -> Result<u32, PictureFileError> {
+    u32::try_from(value).map_err(|_| decode_error("the picture is too large"))
 }
 
 fn color_channels(list: &[AnyChannel<FlatSamples>]) -> Option<[&FlatSamples; 3]> {

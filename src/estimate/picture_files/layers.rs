@@ -8,6 +8,8 @@ pub enum Layer {
     Radius,
     /// Photons accumulated.
     Photons,
+    /// Standard error of the picture by noise.
+    Error,
     /// The share of light that the first surface seen scatters.
     Albedo,
     /// Its shading normal.
@@ -25,26 +27,81 @@ pub struct LayerRow {
     pub name: &'static str,
     /// Its channels in a file.
     pub channels: &'static [&'static str],
-    /// What they hold, with unit.
+    /// What they hold.
     pub meaning: &'static str,
+    /// Its unit; empty where there is none.
+    pub unit: &'static str,
+    /// What they hold where there is nothing to tell; empty where that cannot be.
+    pub nothing: &'static str,
 }
 
-const fn row(layer: Layer, name: &'static str, channels: &'static [&'static str], meaning: &'static str) -> LayerRow {
-    LayerRow { layer, name, channels, meaning }
+impl LayerRow {
+    /// All of it in words.
+    pub fn description(&self) -> String {
+        let Self { meaning, unit, nothing, .. } = self;
+        let part =
+            |separator: &str, text: &str| if text.is_empty() { String::new() } else { format!("{separator}{text}") };
+        format!("{meaning}{}{}", part(", ", unit), part("; ", nothing))
+    }
 }
+
+/// The unit of a picture's colors, in letters that every font has.
+pub(super) const RADIANCE_UNIT: &str = "W/(sr·m²)";
+
+/// The depth of pixels in which nothing is seen, m. It is behind everything and yet finite: infinity times a weight of 0
+/// would spread NaN when a picture is blurred or scaled.
+pub const NOTHING_SEEN: f32 = 1e10;
 
 /// All layers, in the order of [`Layer`].
-pub const LAYERS: [LayerRow; 5] = [
-    row(Layer::Radius, "radius", &["radius.Y"], "gather radius, m"),
-    row(Layer::Photons, "photons", &["photons.Y"], "photons accumulated"),
-    row(
-        Layer::Albedo,
-        "albedo",
-        &["albedo.R", "albedo.G", "albedo.B"],
-        "share of light that the first surface seen reflects or transmits",
-    ),
-    row(Layer::Normal, "normal", &["normal.X", "normal.Y", "normal.Z"], "its shading normal in world space"),
-    row(Layer::Depth, "depth", &["depth.Z"], "its distance from the camera, m; 1e10 where nothing is seen"),
+pub const LAYERS: [LayerRow; 6] = [
+    LayerRow {
+        layer: Layer::Radius,
+        name: "radius",
+        channels: &["radius.Y"],
+        meaning: "gather radius",
+        unit: "m",
+        nothing: "",
+    },
+    LayerRow {
+        layer: Layer::Photons,
+        name: "photons",
+        channels: &["photons.Y"],
+        meaning: "photons accumulated",
+        unit: "",
+        nothing: "",
+    },
+    LayerRow {
+        layer: Layer::Error,
+        name: "error",
+        channels: &["error.Y"],
+        meaning: "standard error by noise, as the job itself estimates",
+        unit: RADIANCE_UNIT,
+        nothing: "NaN before each twin has a pass",
+    },
+    LayerRow {
+        layer: Layer::Albedo,
+        name: "albedo",
+        channels: &["albedo.R", "albedo.G", "albedo.B"],
+        meaning: "share of light that the first surface seen reflects or transmits",
+        unit: "",
+        nothing: "",
+    },
+    LayerRow {
+        layer: Layer::Normal,
+        name: "normal",
+        channels: &["normal.X", "normal.Y", "normal.Z"],
+        meaning: "shading normal of the first surface seen, world space",
+        unit: "",
+        nothing: "",
+    },
+    LayerRow {
+        layer: Layer::Depth,
+        name: "depth",
+        channels: &["depth.Z"],
+        meaning: "distance of the first surface seen from the camera",
+        unit: "m",
+        nothing: "1e10 where nothing is seen",
+    },
 ];
 
 /// A layer of a picture.

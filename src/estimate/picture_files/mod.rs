@@ -4,6 +4,7 @@
 //! picture. The same picture always gives the same bytes.
 
 mod atomic_write;
+mod channels;
 mod exr_attributes;
 mod exr_file;
 mod layers;
@@ -12,8 +13,10 @@ mod png_file;
 use std::path::{Path, PathBuf};
 
 pub use atomic_write::{check_writable, write_file};
-pub use exr_file::{decode_exr, encode_exr, read_exr};
-pub use layers::{LAYERS, Layer, LayerRow, PictureLayer, UnknownLayer};
+pub use channels::{Channels, LUMINANCE, LayerValues};
+pub use exr_file::{decode_channels, decode_exr, encode_channels, encode_exr, read_channels, read_exr};
+pub use layers::{LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureLayer, UnknownLayer};
+pub(crate) use png_file::srgb_byte;
 pub use png_file::{encode_png, encode_png_bytes};
 
 /// Where a picture comes from; written into the header of EXR files.
@@ -88,6 +91,14 @@ pub enum PictureFileError {
     Decode {
         /// What is wrong.
         problem: String,
+    },
+    /// The picture has no layer of this name.
+    #[error("there is no layer \"{name}\"; this picture has {known}")]
+    UnknownLayer {
+        /// The name.
+        name: String,
+        /// Those that it has.
+        known: String,
     },
     /// The picture does not fit the format.
     #[error("cannot encode the picture: {problem}")]

@@ -5,13 +5,15 @@
 
 use std::sync::OnceLock;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
     Color as _, FontDesc, FontFamily, FontStyle, RGBAColor, RGBColor, ShapeStyle, TextStyle, register_font,
 };
 
-use super::drawing::{Anchor, Color, Drawing, Mark, Point};
+use super::drawing::{Anchor, Color, Drawing, Image, Mark, Point};
 use crate::estimate::picture_files::{PictureFileError, encode_png_bytes};
 
 /// Pixels drawn for a pixel of the drawing.
@@ -56,7 +58,19 @@ pub fn to_svg(drawing: &Drawing) -> Result<String, CanvasError> {
     play(drawing, SVGBackend::with_string(&mut text, (width, height)), Form::Svg)?;
     let fine = format!("width=\"{width}\" height=\"{height}\" viewBox");
     let shown = format!("width=\"{}\" height=\"{}\" viewBox", width / FINENESS, height / FINENESS);
-    Ok(text.replacen(&fine, &shown, 1))
+    let images = drawing.images.iter().map(svg_image).collect::<Result<String, _>>()?;
+    // The first element is the ground.
+    Ok(text.replacen(&fine, &shown, 1).replacen("/>\n", &format!("/>\n{images}"), 1))
+}
+
+/// An image as an element; the backend has none.
+fn svg_image(image: &Image) -> Result<String, CanvasError> {
+    let ((x, y), (width, height)) = (fine_point(&image.corner), fine_point(&image.size));
+    let png = STANDARD.encode(encode_png_bytes(&image.pixels.concat(), image.width, image.height)?);
+    Ok(format!(
+        "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+         style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{png}\"/>\n"
+    ))
 }
 
 /// The drawing as a PNG, two pixels for each of the drawing's.
@@ -94,6 +108,9 @@ fn play<B: DrawingBackend>(drawing: &Drawing, mut backend: B, form: Form) -> Res
     register()?;
     let (width, height) = backend.get_size();
     backend.draw_rect((0, 0), (width as i32, height as i32), &shape([255; 3], 1.0, 0.0), true).map_err(failed)?;
+    if form == Form::Bitmap {
+        drawing.images.iter().try_for_each(|image| blit(&mut backend, image))?;
+    }
     for mark in &drawing.marks {
         let drawn = match mark {
             Mark::Line { points, color, width } => {
@@ -113,6 +130,17 @@ fn play<B: DrawingBackend>(drawing: &Drawing, mut backend: B, form: Form) -> Res
         drawn.map_err(failed)?;
     }
     backend.present().map_err(failed)
+}
+
+fn blit<B: DrawingBackend>(backend: &mut B, image: &Image) -> Result<(), CanvasError> {
+    let ((right, bottom), place) = (fine_point(&image.size), fine_point(&image.corner));
+    let (width, height) = (right as u32, bottom as u32);
+    let source = |x: u32, y: u32| {
+        let (column, row) = (x as usize * image.width as usize, y as usize * image.height as usize);
+        image.pixels[row / height as usize * image.width as usize + column / width as usize]
+    };
+    let bytes: Vec<u8> = (0..height).flat_map(|y| (0..width).flat_map(move |x| source(x, y))).collect();
+    backend.blit_bitmap(place, (width, height), &bytes).map_err(failed)
 }
 
 fn fine_point(point: &Point) -> (i32, i32) {

@@ -28,18 +28,32 @@ pub(super) enum Mark {
     Text { at: Point, text: String, size: f64, color: Color, anchor: Anchor },
 }
 
+/// A picture, stretched from a corner by hard-edged pixels.
+#[derive(Clone, Debug)]
+pub(super) struct Image {
+    pub(super) corner: Point,
+    pub(super) size: Point,
+    /// Pixels of the picture itself.
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// Row-major, top row first.
+    pub(super) pixels: Vec<Color>,
+}
+
 /// A drawing on white ground.
 #[derive(Clone, Debug)]
 pub struct Drawing {
     pub(super) width: f64,
     pub(super) height: f64,
+    /// All lie under the marks.
+    pub(super) images: Vec<Image>,
     /// Later ones cover earlier ones.
     pub(super) marks: Vec<Mark>,
 }
 
 impl Drawing {
     pub(super) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, marks: Vec::new() }
+        Self { width, height, images: Vec::new(), marks: Vec::new() }
     }
 
     pub(super) fn line(&mut self, points: Vec<Point>, color: Color, width: f64) {
@@ -80,6 +94,9 @@ impl Drawing {
     }
 
     pub(super) fn text(&mut self, at: Point, text: impl Into<String>, size: f64, color: Color, anchor: Anchor) {
-        self.marks.push(Mark::Text { at, text: text.into(), size, color, anchor });
+        let text = text.into();
+        if !text.is_empty() {
+            self.marks.push(Mark::Text { at, text, size, color, anchor });
+        }
     }
 }

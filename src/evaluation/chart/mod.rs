@@ -1,20 +1,25 @@
-//! Charts of results: error against time, time to an error, the best method of each scene, a job's own estimate, and a report with all results.
+//! Charts of results: error against time, time to an error, the best method of each scene, a job's own estimate, and a report with all results;
+//! and false-color maps of layers.
 //!
-//! A chart is first a [`Drawing`], a list of lines, areas and words; `canvas` makes SVG or PNG of it.
+//! A chart is first a [`Drawing`], a list of pictures, lines, areas and words; `canvas` makes SVG or PNG of it.
 
 mod best_chart;
 mod canvas;
+mod color_scale;
 mod drawing;
 mod error_chart;
 mod job_chart;
+mod map_chart;
 mod report;
 mod scale;
 mod style;
 mod time_chart;
 
 pub use canvas::{CanvasError, to_png, to_svg};
+pub use color_scale::{ColorScale, ScaleError, ScaleRequest, Spacing};
 pub use drawing::Drawing;
 pub use job_chart::{JobPoint, draw_job};
+pub use map_chart::{Map, MapSheet, draw_layer};
 pub use report::{ReportError, report};
 
 use super::curves::{Curve, curves};

@@ -1,4 +1,4 @@
-//! Logarithmic axes.
+//! Axes and their round values.
 
 use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, TEXT};
 
@@ -69,6 +69,18 @@ impl Drawing {
     }
 }
 
+/// Round values from `low` to `high` at equal distances, three to seven of them.
+pub(super) fn linear_ticks(low: f64, high: f64) -> Vec<f64> {
+    const MOST: f64 = 6.0;
+    /// Shares of a step that rounding may cost.
+    const ROUNDING: f64 = 1e-6;
+    let power = 10f64.powf(((high - low) / MOST).log10().floor());
+    let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power * MOST >= high - low).unwrap_or(10.0);
+    let step = factor * power;
+    let [first, last] = [(low / step - ROUNDING).ceil(), (high / step + ROUNDING).floor()];
+    (0..=(last - first) as u32).map(|index| (first + f64::from(index)) * step).collect()
+}
+
 /// A number in as few letters as it needs.
 pub(super) fn number(value: f64) -> String {
     if value == 0.0 || (1e-4..1e5).contains(&value.abs()) {
@@ -82,7 +94,7 @@ pub(super) fn number(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{LogScale, number};
+    use super::{LogScale, linear_ticks, number};
 
     #[test]
     fn ticks_are_round_and_places_proportional_to_logarithms() {
@@ -93,6 +105,16 @@ mod tests {
         assert!((scale.place((0.9f64 * 33.0).sqrt()) - 50.0).abs() < 1e-9);
         let narrow = LogScale { low: 0.011, high: 0.029, pixels: [0.0, 1.0] };
         assert!(narrow.ticks().len() >= 2, "{:?}", narrow.ticks());
+    }
+
+    #[test]
+    fn linear_ticks_are_round() {
+        let texts = |low, high| linear_ticks(low, high).into_iter().map(number).collect::<Vec<_>>();
+        assert_eq!(texts(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+        assert_eq!(texts(-1.0, 1.0), ["-1", "-0.5", "0", "0.5", "1"]);
+        assert_eq!(texts(0.031, 0.052), ["0.035", "0.04", "0.045", "0.05"]);
+        assert_eq!(texts(0.0, 7e7), ["0", "2e7", "4e7", "6e7"]);
+        assert!((3..=7).contains(&linear_ticks(3.3e-9, 8.1e-9).len()));
     }
 
     #[test]

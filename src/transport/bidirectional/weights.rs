@@ -44,6 +44,23 @@ impl Techniques {
     pub fn with(self, other: Self, included: bool) -> Self {
         Self(if included { self.0 | other.0 } else { self.0 & !other.0 })
     }
+
+    /// The numbers of vertices of the light and of the camera subpath, or of segments where they are merged, with which the set finds
+    /// paths of `segments`: first those that hit or connect, then those that merge.
+    pub fn strategies(self, segments: u32) -> impl Iterator<Item = [u32; 2]> {
+        let technique = |pair: &[u32; 2]| match pair {
+            [0, _] => Self::HIT,
+            // Light that is seen directly is only hit.
+            [1, 1] => Self(0),
+            [1, _] => Self::DIRECT,
+            [_, 1] => Self::CAMERA,
+            _ => Self::CONNECT,
+        };
+        let connected = (0..=segments).map(move |light| [light, segments + 1 - light]);
+        let merged = (1..segments).map(move |light| [light, segments - light]);
+        let connected = connected.filter(move |pair| self.any(technique(pair)));
+        connected.chain(merged.filter(move |_| self.any(Self::MERGE)))
+    }
 }
 
 /// How densities become weights [Veach 1997, 9.2.2].
