@@ -14,9 +14,7 @@ use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::{Primitive, SHAPES};
 use super::geometry::{Geometry, Interaction, Ray, Shape};
-use super::light::{
-    AreaLight, Constant, Directional, EnvironmentMap, Ies, Light, LightTable, Place, Point, Spot, Surroundings, area,
-};
+use super::light::{self, AreaLight, Light, LightTable, Place, Surroundings, area};
 use super::material::{self, Lobes, Material, TransportMode, View};
 use super::relief::{self, Relief};
 use super::texture::{Texture, TextureReader};
@@ -329,7 +327,7 @@ fn light_table(
 ) -> Result<LightTable, SceneError> {
     let surroundings = Surroundings::new(geometry.bounds());
     for node in emitters {
-        let light = read_emitter(node, surroundings, textures, &description.bundle)?;
+        let light = light::read(node, surroundings, textures, &description.bundle)?;
         if light.is_environment() && lights.iter().any(Light::is_environment) {
             return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
         }
@@ -342,35 +340,6 @@ fn light_table(
             "add an emitter with a radiance above 0",
         )
     })
-}
-
-const EMITTERS: &[&str] = &["point", "spot", "ies", "directional", "constant", "envmap"];
-
-fn read_emitter(
-    node: &Node,
-    surroundings: Surroundings,
-    textures: &mut TextureReader<'_>,
-    bundle: &Bundle,
-) -> Result<Light, SceneError> {
-    let mut fields = Fields::new(node);
-    let light = match node.plugin.as_str() {
-        "point" => Light::Point(Point::read(&mut fields)?),
-        "spot" => Light::Spot(Spot::read(&mut fields)?),
-        "ies" => Light::Ies(Ies::read(&mut fields, bundle)?),
-        "directional" => Light::Directional(Directional::read(&mut fields, surroundings)?),
-        "constant" => Light::Constant(Constant::read(&mut fields, surroundings)?),
-        "envmap" => Light::EnvironmentMap(EnvironmentMap::read(&mut fields, textures, surroundings)?),
-        "area" => {
-            let problem = "emitter \"area\" stands outside a shape";
-            return Err(SceneError::new(&node.location, problem, "nest it in the shape that emits"));
-        }
-        other => {
-            let problem = format!("there is no emitter \"{other}\"");
-            return Err(SceneError::new(&node.location, problem, nearest_name(other, EMITTERS)));
-        }
-    };
-    fields.finish()?;
-    Ok(light)
 }
 
 fn read_sensor(node: &Node) -> Result<(Film, Camera), SceneError> {

@@ -1,0 +1,56 @@
+//! Emitter plugins that stand alone; `area` belongs to a shape.
+
+use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Spot, Surroundings};
+use crate::scene::bundle::Bundle;
+use crate::scene::description::Node;
+use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::fields::Fields;
+use crate::scene::texture::TextureReader;
+
+/// What an emitter is read from.
+struct Source<'a, 'b> {
+    fields: Fields<'a>,
+    surroundings: Surroundings,
+    textures: &'a mut TextureReader<'b>,
+    bundle: &'a Bundle,
+}
+
+type ReadEmitter = fn(&mut Source<'_, '_>) -> Result<Light, SceneError>;
+
+/// Emitter plugins by name.
+const EMITTERS: &[(&str, ReadEmitter)] = &[
+    ("point", |source| Ok(Light::Point(Point::read(&mut source.fields)?))),
+    ("spot", |source| Ok(Light::Spot(Spot::read(&mut source.fields)?))),
+    ("ies", |source| Ok(Light::Ies(Ies::read(&mut source.fields, source.bundle)?))),
+    ("directional", |source| Ok(Light::Directional(Directional::read(&mut source.fields, source.surroundings)?))),
+    ("constant", |source| Ok(Light::Constant(Constant::read(&mut source.fields, source.surroundings)?))),
+    ("envmap", |source| {
+        let map = EnvironmentMap::read(&mut source.fields, source.textures, source.surroundings)?;
+        Ok(Light::EnvironmentMap(map))
+    }),
+];
+
+/// Reads an emitter node.
+///
+/// # Errors
+/// Unknown plugins and parameters, and parameters out of range, with their place.
+pub fn read(
+    node: &Node,
+    surroundings: Surroundings,
+    textures: &mut TextureReader<'_>,
+    bundle: &Bundle,
+) -> Result<Light, SceneError> {
+    if node.plugin == "area" {
+        let problem = "emitter \"area\" stands outside a shape";
+        return Err(SceneError::new(&node.location, problem, "nest it in the shape that emits"));
+    }
+    let Some((_, read)) = EMITTERS.iter().find(|(name, _)| *name == node.plugin) else {
+        let known: Vec<&str> = EMITTERS.iter().map(|(name, _)| *name).collect();
+        let problem = format!("there is no emitter \"{}\"", node.plugin);
+        return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
+    };
+    let mut source = Source { fields: Fields::new(node), surroundings, textures, bundle };
+    let light = read(&mut source)?;
+    source.fields.finish()?;
+    Ok(light)
+}
