@@ -62,9 +62,14 @@ pub(crate) fn scene(parts: &[&str]) -> Arc<Scene> {
     Arc::new(prepare(&parts.concat(), &[]).expect("the scene is good"))
 }
 
+/// The seed of all pictures: 1, or what the sweep over seeds asks for (tools/stability_sweep.py).
+fn seed() -> u64 {
+    std::env::var("STABILITY_SEED").map_or(1, |seed| seed.parse().expect("STABILITY_SEED is a number"))
+}
+
 /// Renders; nothing may be other than finite.
 pub(crate) fn estimate(scene: &Arc<Scene>, method: &str, parameters: &str, passes: u32) -> Estimate {
-    let estimate = Job::new(scene, method, parameters).run(passes, 8);
+    let estimate = Job::with_seed(scene, method, parameters, seed()).run(passes, 8);
     assert_eq!(estimate.non_finite, 0, "{method} {parameters}");
     estimate
 }

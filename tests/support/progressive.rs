@@ -32,10 +32,15 @@ pub(crate) fn reference_scene(name: &str) -> Arc<Scene> {
 impl Job {
     /// A job with seed 1; `parameters` is a JSON object.
     pub(crate) fn new(scene: &Arc<Scene>, method: &str, parameters: &str) -> Self {
+        Self::with_seed(scene, method, parameters, 1)
+    }
+
+    /// The same with any seed.
+    pub(crate) fn with_seed(scene: &Arc<Scene>, method: &str, parameters: &str, seed: u64) -> Self {
         let parameters = serde_json::from_str(parameters).expect("parameters are a JSON object");
         let choice = MethodChoice { name: method.to_owned(), parameters };
         let method = check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
-        let renderer = Renderer::new(scene.clone(), &method, 1).expect("the method can be prepared");
+        let renderer = Renderer::new(scene.clone(), &method, seed).expect("the method can be prepared");
         Self { scene: scene.clone(), method, renderer, never: AtomicBool::new(false) }
     }
 
