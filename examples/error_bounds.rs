@@ -1,7 +1,7 @@
 //! How often a job's own error bound holds: makes `docs/ERROR-BOUNDS.md`.
 //!
-//! `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md`: seeds per method and scene, 4 by default; a quarter of an hour on
-//! one core.
+//! `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md`: seeds per method and scene, 4 by default; about 25 minutes on
+//! one core. Names of references after the number choose among them.
 
 use std::error::Error;
 use std::path::Path;
@@ -30,8 +30,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seeds: u64 = std::env::args().nth(1).map_or(Ok(4), |text| text.parse())?;
     print!("{HEADER}");
     let mut all = Vec::new();
+    let chosen: Vec<String> = std::env::args().skip(2).collect();
     for folder in reference_folders(Path::new("tests/references"))? {
         let reference = Reference::load(&folder)?;
+        if !chosen.is_empty() && !chosen.contains(&reference.name) {
+            continue;
+        }
         for method in METHODS {
             let choice = MethodChoice { name: method.to_owned(), parameters: Default::default() };
             let checked = method::check(&choice, reference.scene.pixel_count() as u64)?;
@@ -93,11 +97,11 @@ fn print_row(scene: &str, method: &str, blind: bool, looks: &[Look]) {
 const HEADER: &str = "\
 # A job's own error estimate, checked
 
-Made by `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md` (a quarter of an hour on one core).
+Made by `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md` (about 25 minutes on one core).
 
 Every job makes two independent pictures, of its even and of its odd passes. Their difference gives the noise of the mean, in relMSE; what is found inside half of
-each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is 1.5 times the estimate
-plus 1.645 standard deviations of it over blocks of 16 × 16 pixels, and is meant to hold in 95 % of pictures. 1.5 is a
+each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is twice the estimate
+plus 1.645 standard deviations of it over blocks of 16 × 16 pixels, and is meant to hold in 95 % of pictures. Twice is a
 margin for Y, which an estimate without a reference must smooth: errors of dark pixels beside bright ones then look smaller than they are.
 
 It can only tell what its passes have seen. While the rare paths that carry much light have not been met (path tracing of caustics, light through a

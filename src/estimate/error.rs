@@ -28,7 +28,7 @@ pub const CONFIDENCE: f64 = 0.95;
 const DEVIATIONS: f64 = 1.645;
 /// Averaging makes the error of dark pixels beside bright ones look smaller: by up to this factor for the whole picture on our
 /// references (docs/ERROR-BOUNDS.md).
-const MARGIN: f64 = 1.5;
+const MARGIN: f64 = 2.0;
 
 /// A picture's error as its own passes tell it.
 #[derive(Clone, Copy, Debug, PartialEq)]
