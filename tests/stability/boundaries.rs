@@ -174,10 +174,13 @@ fn ninety_nine_unseen_rooms_add_little_noise() {
 #[test]
 fn what_creeps_under_a_wall_vanishes() {
     let scene = divided_room(&camera("1, 0.9, 0", "1, -1, 0", "-1, 0, 0", 55.0, 16));
-    let light = |passes| {
-        let found = estimate(&scene, "sppm", r#"{"photons_per_pass": 2048, "radius_rule": "schedule"}"#, passes);
-        mean(&found.picture())
+    let ratio = |alpha: f64| {
+        let parameters = format!(r#"{{"photons_per_pass": 2048, "radius_rule": "schedule", "alpha": {alpha}}}"#);
+        let light = |passes| mean(&estimate(&scene, "sppm", &parameters, passes).picture());
+        light(256) / light(16)
     };
-    let ratio = light(256) / light(16);
-    assert_below(ratio, 0.75, "sppm: light under a wall after 256 passes over that after 16");
+    assert_below(ratio(2.0 / 3.0), 0.75, "sppm: light under a wall after 256 passes over that after 16");
+    let kept = ratio(1.0 - 1e-9);
+    println!("sppm: the same with radii that do not shrink: {kept:.2}");
+    assert!(kept > 0.85, "what creeps under a wall should stay while radii do: {kept}");
 }

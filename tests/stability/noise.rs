@@ -58,6 +58,13 @@ fn corners_have_no_spikes() {
         assert_close(mean(&seen), 1.0, 0.04, &format!("{method}: mean in a corner"));
         assert_below(brightest(&seen), bound, &format!("{method}: brightest pixel in a corner"));
     }
+    // Without weights, short connections are what corners are known for.
+    let spikes = [r#"{"strategy": "2,2"}"#, r#"{"strategy": "2,2", "show": "unweighted"}"#].map(|connected| {
+        let seen = picture(&scene, "bdpt", connected, 32);
+        brightest(&seen) / mean(&seen)
+    });
+    println!("bdpt: brightest pixel by connections alone over their mean: {spikes:.1?}, weighted and not");
+    assert!(spikes[1] > 2.0 * spikes[0], "unweighted connections should spike: {spikes:?}");
 }
 
 /// Standard deviation of the means of 4 × 4 pixels, relative to `expected`.
