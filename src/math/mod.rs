@@ -4,6 +4,7 @@ pub mod color;
 pub mod discrete;
 pub mod frame;
 pub mod grid_distribution;
+pub mod lanes;
 pub mod octahedral;
 pub mod random;
 pub mod trigonometry;

@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, Shear};
 use super::triangle::Triangle;
+use crate::math::lanes::{larger, smaller};
 
 /// How many primitives a block holds at most.
 pub const LANES: usize = 8;
@@ -127,16 +128,6 @@ impl Block {
             Self::Single => primitives[0].intersect(ray, shear, length).map(|hit| BlockHit { lane: 0, hit }),
         }
     }
-}
-
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 /// The lane with the smallest distance, the first of equals; `None` when all are infinite.

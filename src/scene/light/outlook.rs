@@ -7,6 +7,7 @@
 //! instead of a tree: the large boxes near a tree's root tell places apart badly.
 
 use crate::math::Vec3;
+use crate::math::lanes::{larger, smaller};
 use crate::scene::geometry::Interaction;
 use crate::scene::material::Lobes;
 
@@ -148,16 +149,6 @@ impl Eight {
     }
 }
 
-#[inline(always)]
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
 /// Lamps in a row.
 #[derive(Clone, Debug)]
 struct Lamps(Vec<Eight>);
@@ -269,7 +260,7 @@ impl Outlooks {
     pub fn pick(&self, place: &Place, u: f32) -> Option<(usize, f32)> {
         let near = self.near_total(place);
         let total = self.far_total + near;
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return None;
         }
         let mut target = u * total;
@@ -298,7 +289,7 @@ impl Outlooks {
     pub fn probability(&self, place: &Place, light: usize) -> f32 {
         let near = self.near_total(place);
         let total = self.far_total + near;
-        if !(total > 0.0) {
+        if total <= 0.0 {
             return 0.0;
         }
         match self.seats[light] {

@@ -8,7 +8,7 @@
 
 use super::measured_metals::METALS;
 use super::{Lobes, MaterialSample, SpecularLobes, View, fresnel};
-use crate::math::{Rgb, Vec3};
+use crate::math::Rgb;
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
 use crate::scene::texture::{Texture, TextureReader};
@@ -72,33 +72,15 @@ impl Conductor {
         Some(MaterialSample::mirrored(outgoing, reflected * self.specular_reflectance.color(view.uv)))
     }
 
-    /// Black: its lobe is specular.
-    pub fn evaluate(&self, _view: &View, _incident: Vec3) -> Rgb {
-        Rgb::ZERO
-    }
-
-    /// 0: its lobe is specular.
-    pub fn pdf(&self, _view: &View, _incident: Vec3) -> f32 {
-        0.0
-    }
-
     /// One specular lobe.
     pub fn lobes(&self) -> Lobes {
         Lobes::SPECULAR
-    }
-
-    /// 1: there is nothing to gather.
-    pub fn followed_share(&self, _view: &View) -> f32 {
-        1.0
     }
 
     /// The mirrored direction.
     pub fn specular_lobes(&self, view: &View) -> SpecularLobes {
         [self.sample(view, [0.0; 3]), None, None, None]
     }
-
-    /// None: nothing is gathered here.
-    pub fn constant_value(&self, _view: &View) -> Option<Rgb> {
-        None
-    }
 }
+
+purely_specular!(Conductor);

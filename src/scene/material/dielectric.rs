@@ -10,7 +10,7 @@
 
 use super::refractive_indices::REFRACTIVE_INDICES;
 use super::{Lobes, MaterialSample, SpecularLobes, TransportMode, View, fresnel};
-use crate::math::{Rgb, Vec3};
+use crate::math::Vec3;
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
 use crate::scene::texture::{Texture, TextureReader};
@@ -96,24 +96,9 @@ impl Dielectric {
         }
     }
 
-    /// Black: its lobes are specular.
-    pub fn evaluate(&self, _view: &View, _incident: Vec3) -> Rgb {
-        Rgb::ZERO
-    }
-
-    /// 0: its lobes are specular.
-    pub fn pdf(&self, _view: &View, _incident: Vec3) -> f32 {
-        0.0
-    }
-
     /// Two specular lobes.
     pub fn lobes(&self) -> Lobes {
         Lobes::SPECULAR | Lobes::TRANSMISSIVE
-    }
-
-    /// 1: there is nothing to gather.
-    pub fn followed_share(&self, _view: &View) -> f32 {
-        1.0
     }
 
     /// Reflection and refraction, each weighted by its share.
@@ -126,9 +111,6 @@ impl Dielectric {
         let reflection = weighted(self.reflection(view), boundary.reflected);
         [reflection, weighted(refraction, 1.0 - boundary.reflected), None, None]
     }
-
-    /// None: nothing is gathered here.
-    pub fn constant_value(&self, _view: &View) -> Option<Rgb> {
-        None
-    }
 }
+
+purely_specular!(Dielectric);

@@ -4,6 +4,37 @@
 //! point away from the surface. `evaluate` is the BSDF value without any cosine (1/sr); a sample's weight is
 //! `f·|cos θ_incident|/pdf`; densities are by solid angle. A material is black, not an error, where it does not scatter.
 
+/// What a material of nothing but perfectly specular lobes answers.
+macro_rules! purely_specular {
+    ($kind:ident) => {
+        impl $kind {
+            /// Black: its lobes are specular.
+            #[inline]
+            pub fn evaluate(&self, _view: &super::View, _incident: crate::math::Vec3) -> crate::math::Rgb {
+                crate::math::Rgb::ZERO
+            }
+
+            /// 0: its lobes are specular.
+            #[inline]
+            pub fn pdf(&self, _view: &super::View, _incident: crate::math::Vec3) -> f32 {
+                0.0
+            }
+
+            /// 1: there is nothing to gather.
+            #[inline]
+            pub fn followed_share(&self, _view: &super::View) -> f32 {
+                1.0
+            }
+
+            /// None: nothing is gathered here.
+            #[inline]
+            pub fn constant_value(&self, _view: &super::View) -> Option<crate::math::Rgb> {
+                None
+            }
+        }
+    };
+}
+
 pub mod blend;
 pub mod conductor;
 pub mod dielectric;

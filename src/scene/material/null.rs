@@ -1,7 +1,7 @@
 //! `null`: nothing at all: light passes as if the surface were not there. It has no parameters.
 
 use super::{Lobes, MaterialSample, SpecularLobes, View};
-use crate::math::{Rgb, Vec3};
+use crate::math::Rgb;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::texture::TextureReader;
@@ -21,33 +21,15 @@ impl Null {
         view.lobes.any(Lobes::SPECULAR).then(|| MaterialSample::straight(view.outgoing, Rgb::ONE))
     }
 
-    /// Black: its lobe is specular.
-    pub fn evaluate(&self, _view: &View, _incident: Vec3) -> Rgb {
-        Rgb::ZERO
-    }
-
-    /// 0: its lobe is specular.
-    pub fn pdf(&self, _view: &View, _incident: Vec3) -> f32 {
-        0.0
-    }
-
     /// One specular lobe.
     pub fn lobes(&self) -> Lobes {
         Lobes::SPECULAR | Lobes::TRANSMISSIVE
-    }
-
-    /// 1: there is nothing to gather.
-    pub fn followed_share(&self, _view: &View) -> f32 {
-        1.0
     }
 
     /// Straight on.
     pub fn specular_lobes(&self, view: &View) -> SpecularLobes {
         [self.sample(view, [0.0; 3]), None, None, None]
     }
-
-    /// None: nothing is gathered here.
-    pub fn constant_value(&self, _view: &View) -> Option<Rgb> {
-        None
-    }
 }
+
+purely_specular!(Null);

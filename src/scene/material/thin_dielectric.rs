@@ -11,7 +11,6 @@
 
 use super::dielectric::read_index;
 use super::{Lobes, MaterialSample, SpecularLobes, View, fresnel};
-use crate::math::{Rgb, Vec3};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::texture::{Texture, TextureReader};
@@ -52,24 +51,9 @@ impl ThinDielectric {
         })
     }
 
-    /// Black: its lobes are specular.
-    pub fn evaluate(&self, _view: &View, _incident: Vec3) -> Rgb {
-        Rgb::ZERO
-    }
-
-    /// 0: its lobes are specular.
-    pub fn pdf(&self, _view: &View, _incident: Vec3) -> f32 {
-        0.0
-    }
-
     /// Two specular lobes.
     pub fn lobes(&self) -> Lobes {
         Lobes::SPECULAR | Lobes::TRANSMISSIVE
-    }
-
-    /// 1: there is nothing to gather.
-    pub fn followed_share(&self, _view: &View) -> f32 {
-        1.0
     }
 
     /// Reflection and passing on, each weighted by its share.
@@ -82,9 +66,6 @@ impl ThinDielectric {
         let passing = self.specular_transmittance.color(view.uv) * (1.0 - share);
         [Some(mirrored), Some(MaterialSample::straight(view.outgoing, passing)), None, None]
     }
-
-    /// None: nothing is gathered here.
-    pub fn constant_value(&self, _view: &View) -> Option<Rgb> {
-        None
-    }
 }
+
+purely_specular!(ThinDielectric);
