@@ -5,7 +5,9 @@ use clap::Args;
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
 
-/// Stop a job and keep its picture. A job that has ended already stays as it is.
+/// Stop a job and keep its picture.
+///
+/// A job that has ended already stays as it is.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Cancel {
     /// The job's id.

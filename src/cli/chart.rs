@@ -10,7 +10,7 @@ use crate::estimate::picture_files::{check_writable, write_file};
 use crate::evaluation::chart::{CanvasError, ChartData, ChartKind, Drawing, ReportError, report, to_png, to_svg};
 use crate::evaluation::{Measure, read_peers, read_results};
 
-/// Draw results of `evaluate` (docs/EVALUATION.md).
+/// Draw results of `evaluate`.
 ///
 /// A report (.html) holds all charts, a table and the pictures that `evaluate --pictures` kept; an .svg or .png holds one chart.
 #[derive(Clone, Debug, Args)]

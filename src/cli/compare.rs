@@ -9,7 +9,9 @@ use super::terminal;
 use crate::estimate::picture_files::{encode_png, read_exr, write_file};
 use crate::evaluation::{Metrics, compare, signed_difference};
 
-/// Measure how far a picture is from a reference. Both are OpenEXR files of the same size.
+/// Measure how far a picture is from a reference.
+///
+/// Both are OpenEXR files of the same size.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Compare {
     /// The picture.

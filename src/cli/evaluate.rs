@@ -16,10 +16,11 @@ use crate::evaluation::{
     RunError, Sample, curves, read_results,
 };
 
-/// Measure how the error of methods falls with time, on scenes whose picture is known (docs/EVALUATION.md).
+/// Measure how the error of methods falls with time.
 ///
-/// Each method renders each scene once per seed, and the picture is measured whenever a time budget is spent. Results are
-/// added to a file of JSON lines; what the file holds already is not measured again, so Ctrl-C loses one run at most.
+/// Scenes are those whose picture is known (docs/EVALUATION.md). Each method renders each scene once per seed, and the picture
+/// is measured whenever a time budget is spent. Results are added to a file of JSON lines; what the file holds already is not
+/// measured again, so Ctrl-C loses one run at most.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Evaluate {
     /// Folders with scene.xml, ref.exr and stderr.exr, or scene files with these beside them.

@@ -12,7 +12,7 @@ use crate::scene::description::SceneDescription;
 use crate::scene::import::report::Notice;
 use crate::scene::import::{load_file, native};
 
-/// Write a scene of any format in the native form: Mitsuba 3's tree as JSON.
+/// Write a scene of any format in the native form, Mitsuba 3's tree as JSON.
 ///
 /// Files that the scene refers to are copied beside it under the same names; -o scene.zip packs all into one file.
 #[derive(Clone, Debug, Args)]

@@ -7,7 +7,9 @@ use super::exit_code::CliError;
 use super::terminal;
 use crate::farm::job::{JobState, JobStatus};
 
-/// List a coordinator's jobs, oldest first: id, state, passes, seconds, method, separated by tabs.
+/// List a coordinator's jobs.
+///
+/// Oldest first: id, state, passes, seconds, method, separated by tabs.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Jobs {
     #[command(flatten)]

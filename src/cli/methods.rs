@@ -6,7 +6,9 @@ use super::exit_code::CliError;
 use super::terminal;
 use crate::method::{MethodEntry, table};
 
-/// List the methods with their parameters. The first one is the default.
+/// List the methods with their parameters.
+///
+/// The first one is the default.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Methods {
     /// Only this method.

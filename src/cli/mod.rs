@@ -49,37 +49,21 @@ struct CommandLine {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene on this machine.
     Render(render::Render),
-    /// Run a coordinator.
     Serve(serve::Serve),
-    /// Work for a coordinator.
     Worker(worker::Worker),
-    /// Send a scene to a coordinator; prints the job's id.
     Submit(submit::Submit),
-    /// Follow a job until it ends.
     Watch(watch::Watch),
-    /// Write a job's picture so far to files.
     Fetch(fetch::Fetch),
-    /// Stop a job and keep its picture.
     Cancel(cancel::Cancel),
-    /// List a coordinator's jobs.
     Jobs(jobs::Jobs),
-    /// List the methods with their parameters.
     Methods(methods::Methods),
-    /// Write a scene of any format in the native form.
     Import(import::Import),
-    /// Look into a scene without rendering it.
     Scene(scene::Scene),
-    /// Say what a scene needs and which method would render it soonest.
     Plan(plan::Plan),
-    /// Measure how far a picture is from a reference.
     Compare(compare::Compare),
-    /// Measure how the error of methods falls with time.
     Evaluate(evaluate::Evaluate),
-    /// Draw results of `evaluate`.
     Chart(chart::Chart),
-    /// Draw a layer of a picture in false colors, with its scale.
     Map(map::Map),
 }
 

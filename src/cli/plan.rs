@@ -16,9 +16,9 @@ use crate::scene::import::load_file;
 use crate::scene::needs::SceneNeeds;
 use crate::scene::prepare::Scene;
 
-/// Say what a scene contains and therefore needs, and which method gets to an error soonest, by short trials.
+/// Say what a scene needs and which method would render it soonest.
 ///
-/// `render --method auto` does the same and goes on with the best method.
+/// It finds out by short trials. `render --method auto` does the same and goes on with the best method.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Plan {
     /// Scene: Mitsuba XML of any version, JSON, or a zip archive with everything it refers to.

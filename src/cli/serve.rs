@@ -6,7 +6,9 @@ use super::exit_code::CliError;
 use super::local_farm::{LocalFarm, threads_per_worker};
 use super::{signals, terminal};
 
-/// Run a coordinator until Ctrl-C or SIGTERM.
+/// Run a coordinator.
+///
+/// It runs until Ctrl-C or SIGTERM.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Serve {
     /// Address to listen at; port 0 takes any free one.

@@ -7,7 +7,9 @@ use super::exit_code::CliError;
 use super::job_options::JobOptions;
 use super::{scene_file, terminal};
 
-/// Send a scene to a coordinator. Prints the job's id and nothing else on standard output.
+/// Send a scene to a coordinator; prints the job's id.
+///
+/// Nothing else goes to standard output.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Submit {
     #[command(flatten)]

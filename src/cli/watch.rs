@@ -8,7 +8,9 @@ use super::progress::Progress;
 use super::signals;
 use crate::farm::job::JobState;
 
-/// Follow a job until it ends. The exit code is 0 when it is done, 1 when it failed or was cancelled.
+/// Follow a job until it ends.
+///
+/// The exit code is 0 when it is done, 1 when it failed or was cancelled.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Watch {
     /// The job's id.

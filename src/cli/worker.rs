@@ -8,7 +8,9 @@ use super::local_farm::threads_per_worker;
 use super::signals;
 use crate::farm::worker::{WorkerError, WorkerOptions, run_worker};
 
-/// Work for a coordinator until Ctrl-C or SIGTERM. Outages of the coordinator are waited out.
+/// Work for a coordinator.
+///
+/// It runs until Ctrl-C or SIGTERM, and waits outages of the coordinator out.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Worker {
     /// Address of the coordinator.
