@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::encode_png;
-use photonfarm::evaluation::{ProcessStopwatch, Reference, Run, Stopwatch, compare, signed_difference};
+use photonfarm::evaluation::{self, ProcessStopwatch, Reference, Run, Stopwatch, compare, signed_difference};
 use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::{Scene, import};
 use serde_json::{Map, Value, json};
@@ -176,25 +176,13 @@ fn time_shares() -> Outcome<()> {
     println!("\n| scene | density estimates | weights, in them | a pass |\n|---|---:|---:|---:|");
     for name in ["kitchen-counter", "cornell-ward", "concert-hall"] {
         let scene = scene(name, 256)?;
-        let time = |method: &str, parameters: Value| -> Outcome<f64> {
-            let mut stopwatch = ProcessStopwatch::start()?;
-            render(&scene, method, &parameters, Until::Passes(1))?;
-            let first = stopwatch.spent()?.processor;
-            render(&scene, method, &parameters, Until::Passes(17))?;
-            Ok((stopwatch.spent()?.processor - 2.0 * first) / 16.0)
-        };
-        let shared = json!({"max_depth": 7, "light_hits": "off", "camera_hits": "off"});
-        let with = |key: &str, value: Value| {
-            let mut parameters = shared.clone();
-            parameters[key] = value;
-            parameters
-        };
-        let whole = time("bdpm", shared.clone())?;
-        let unweighted = time("bdpm", with("show", json!("unweighted")))?;
-        // A radius within which nothing lies.
-        let walks = time("bdpm", with("initial_radius", json!(1e-6)))?;
-        let [estimates, weights] = [whole - walks, whole - unweighted].map(|part| 100.0 * part / whole);
-        println!("| {name} | {estimates:.0} % | {weights:.0} % | {whole:.2} s |");
+        let parameters = json!({"max_depth": 7, "light_hits": "off", "camera_hits": "off"});
+        let parameters = parameters.as_object().cloned().unwrap_or_default();
+        let choice = MethodChoice { name: "bdpm".to_owned(), parameters };
+        let shares = evaluation::time_shares(&scene, &choice, 1, &mut ProcessStopwatch::start()?)?;
+        let percent = |share: Option<f64>| 100.0 * share.unwrap_or(0.0);
+        let (estimates, weights) = (percent(shares.density_estimates), percent(shares.weights));
+        println!("| {name} | {estimates:.0} % | {weights:.0} % | {:.2} s |", shares.pass);
     }
     Ok(())
 }

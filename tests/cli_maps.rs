@@ -1,4 +1,4 @@
-//! False-color maps and weight maps, as users of the command line meet them.
+//! False-color maps, weight maps and time shares, as users of the command line meet them.
 
 #[path = "support/exr_channels.rs"]
 mod exr_channels;
@@ -166,4 +166,22 @@ fn weight_maps_that_cannot_be_are_refused_before_rendering() {
     assert!(none.contains("max_depth"), "{none}");
     assert!(render(&["--method", "bdpt", "--weight-maps", "maps.png"]).contains("is no EXR"));
     assert!(!picture.exists() && !maps.exists());
+}
+
+/// Only parts that a method has are told; no share is the whole pass.
+#[test]
+fn time_shares_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("picture.png");
+    for (method, parts) in [("vcm", 2), ("sppm", 1), ("path", 0)] {
+        let found =
+            run(&["render", FURNACE, "--method", method, "--passes", "2", "--time-shares", "-o", text(&output)]);
+        let told = String::from_utf8_lossy(&found.stderr).into_owned();
+        assert!(found.status.success(), "{told}");
+        let line = told.lines().find(|line| line.starts_with("a pass takes")).unwrap_or_else(|| panic!("{told}"));
+        let words: Vec<&str> = line.trim_end_matches(" %").split([' ']).collect();
+        assert!(words[3].parse::<f64>().is_ok_and(|seconds| seconds > 0.0), "{line}");
+        let shares: Vec<f64> = line.split(" %").filter_map(|part| part.rsplit(' ').next()?.parse().ok()).collect();
+        assert!(shares.len() == parts && shares.iter().all(|share| (0.0..100.0).contains(share)), "{method}: {line}");
+    }
 }

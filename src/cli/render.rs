@@ -1,6 +1,7 @@
 //! `render`: a scene on this machine, by a coordinator and workers in this process.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -11,7 +12,11 @@ use super::local_farm::{LocalFarm, threads_per_worker};
 use super::outputs::{OutputOptions, default_outputs};
 use super::progress::{Progress, rate};
 use super::{scene_file, signals, terminal, weight_maps};
+use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
+use crate::method::MethodChoice;
+use crate::scene::Scene;
+use crate::scene::import::load_file;
 
 /// Render a scene on this machine.
 ///
@@ -27,6 +32,10 @@ pub(super) struct Render {
     /// it as .png. Each strategy is a job of as many passes as the picture: of --length N, or else those of 2 to 4 segments.
     #[arg(long, value_name = "FILE.exr")]
     weight_maps: Option<PathBuf>,
+    /// Also tell what a pass spends its processor time on: tracing, density estimates, multiple importance weights. Takes a few
+    /// seconds more.
+    #[arg(long)]
+    time_shares: bool,
     /// Workers to start; the picture does not depend on it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     workers: u16,
@@ -76,6 +85,9 @@ impl Render {
         }
         let written = self.output.write(client, &status.id).await?;
         terminal::note(&rates(&status, threads));
+        if self.time_shares && !interrupted {
+            terminal::note(&self.time_shares_of(&status, threads)?);
+        }
         match (interrupted, written) {
             (true, true) => Err(CliError::Interrupted),
             (true, false) => {
@@ -88,6 +100,23 @@ impl Render {
             },
             (false, false) => Err(CliError::Failed("the job ended without a picture; give it more time".to_owned())),
         }
+    }
+}
+
+impl Render {
+    /// One line on what a pass of the job spends its time on.
+    fn time_shares_of(&self, job: &JobStatus, threads: usize) -> Result<String, CliError> {
+        let scene = Arc::new(Scene::prepare(&load_file(&self.job.scene, &self.job.defines)?)?);
+        let choice = MethodChoice { name: job.method.clone(), parameters: job.parameters.clone() };
+        let measure = || time_shares(&scene, &choice, job.seed, &mut ProcessStopwatch::start()?);
+        let TimeShares { pass, density_estimates, weights } =
+            on_threads(threads, measure).and_then(|shares| shares).map_err(CliError::failed)?;
+        let mut text = format!("a pass takes {pass:.3} processor-seconds");
+        let shares = [("density estimates with their weights", density_estimates), ("weights", weights)];
+        for (what, share) in shares {
+            text += &share.map_or(String::new(), |share| format!(", {what} {:.0} %", 100.0 * share));
+        }
+        Ok(text)
     }
 }
 

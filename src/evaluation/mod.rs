@@ -22,6 +22,7 @@ mod significance;
 mod similarity;
 mod stopwatch;
 mod survey;
+mod time_shares;
 
 pub use changes::{Change, ChangeRule, Verdict, changes};
 pub use curves::{Curve, CurvePoint, Reached, Spread, common_budget, curves};
@@ -36,3 +37,4 @@ pub use sample::{Measure, Sample};
 pub use shown::exposure_factor;
 pub use stopwatch::{ProcessStopwatch, Spent, Stopwatch, StopwatchError};
 pub use survey::{DEFAULT_ERROR, Survey, Trial, survey};
+pub use time_shares::{TimeShares, time_shares};

@@ -211,7 +211,8 @@ pub fn table() -> &'static [MethodEntry] {
     METHODS
 }
 
-fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
+/// The row of a method.
+pub fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
     METHODS.iter().find(|entry| entry.name == name).ok_or_else(|| {
         let known: Vec<&str> = METHODS.iter().map(|entry| entry.name).collect();
         MethodError::Unknown { name: name.to_owned(), remedy: nearest_name(name, &known) }
