@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The stability suite with other random numbers: how far what it measures is off over many seeds, and how often its bounds hold.
 
-    python3 tools/stability_sweep.py FIRST_SEED SEEDS > sweep.md
+    python3 tools/stability_sweep.py FIRST_SEED SEEDS > docs/STABILITY-SWEEP.md
 
 About a minute of one core a seed in the release profile, after building it. Seeds already measured are kept in
 target/stability-sweep/, so a sweep that was stopped goes on.
@@ -17,6 +17,12 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FOLDER = os.path.join(ROOT, "target", "stability-sweep")
 OFF = re.compile(r"^(?:test \S+ \.\.\. )?(.+): (\S+) of (\S+), off by (\S+) %$")
 BOUND = re.compile(r"^(?:test \S+ \.\.\. )?(.+): (\S+), bound (\S+)$")
+
+HEADER = """# The stability suite over seeds
+
+Made by `python3 tools/stability_sweep.py {first} {count} > docs/STABILITY-SWEEP.md`, about a minute of one core a seed in the release profile. What the suite of
+[STABILITY.md](STABILITY.md) measures with other random numbers, {count} seeds from {first}, so that chance can be told from error.
+"""
 
 
 def measure(seed):
@@ -45,10 +51,10 @@ def main():
                 offs[found[1]].append(float(found[4]))
             elif found := BOUND.match(line):
                 bounds[found[1]].append((float(found[2]), float(found[3])))
-    print(f"{count} seeds from {first}.\n\n| test | fails in |\n|---|---:|")
+    print(HEADER.format(first=first, count=count))
     for test, times in sorted(failures.items()):
-        print(f"| `{test}` | {times} |")
-    print("\n| off by, % | mean | standard error | least | most |\n|---|---:|---:|---:|---:|")
+        print(f"`{test}` fails in {times} of them.\n")
+    print("| off by, % | mean | standard error | least | most |\n|---|---:|---:|---:|---:|")
     for what, values in sorted(offs.items()):
         if max(map(abs, values)) >= 0.05:
             error = statistics.stdev(values) / len(values) ** 0.5 if len(values) > 1 else float("nan")
