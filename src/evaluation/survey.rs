@@ -32,7 +32,7 @@ const LEAST_PASSES: u32 = 8;
 const FIRST_ROUND: f64 = 0.4;
 /// Each further round lasts until trials took so many times as long as before.
 const LONGER: f64 = 4.0;
-/// Only those go on that promise the wanted error in at most so many times the best one's time, …
+/// Only those go on that may reach the wanted error in at most so many times the best one's time, …
 const CLOSE: f64 = 4.0;
 /// … and while the next round is at most this share of the best one's expected time.
 const WORTH: f64 = 0.1;
@@ -127,7 +127,7 @@ fn race(racers: &mut [Racer], wanted: f64, stopwatch: &mut dyn Stopwatch) -> Res
     let (mut round, mut best) = (FIRST_ROUND, f64::INFINITY);
     while round <= WORTH * best || round == FIRST_ROUND {
         for racer in racers.iter_mut() {
-            let is_close = round == FIRST_ROUND || racer.expected_seconds(wanted) <= CLOSE * best;
+            let is_close = round == FIRST_ROUND || racer.hoped_seconds(wanted) <= CLOSE * best;
             if is_close {
                 racer.run_until(round, stopwatch)?;
             }
@@ -161,14 +161,17 @@ impl Racer {
 
     /// Makes pairs of passes until `seconds` were spent.
     fn run_until(&mut self, seconds: f64, stopwatch: &mut dyn Stopwatch) -> Result<(), RunError> {
-        self.before = self.error.map(|error| (self.seconds, error.bound));
+        let (passes, before) = (self.run.passes(), self.error.map(|error| (self.seconds, error.bound)));
         let start = stopwatch.spent()?.processor - self.seconds;
         while self.run.passes() < LEAST_PASSES || self.seconds < seconds {
             self.run.pass()?;
             self.run.pass()?;
             self.seconds = stopwatch.spent()?.processor - start;
         }
-        self.error = self.run.error();
+        // A method whose first passes took longer than this round has nothing new to tell.
+        if self.run.passes() > passes {
+            (self.before, self.error) = (before, self.run.error());
+        }
         Ok(())
     }
 
@@ -179,6 +182,14 @@ impl Racer {
         let measured = self.before.map(|(seconds, bound)| (bound / error.bound).ln() / (self.seconds / seconds).ln());
         let rate = measured.map_or(self.rate, |measured| measured.clamp(self.rate, 1.0));
         self.seconds * (error.bound / wanted).powf(1.0 / rate)
+    }
+
+    /// The same at the best rate that there is: few passes tell no rate, and theory's is for many.
+    fn hoped_seconds(&self, wanted: f64) -> f64 {
+        match self.error.filter(|_| self.rate > 0.0) {
+            Some(error) => self.seconds * error.bound / wanted,
+            None => f64::INFINITY,
+        }
     }
 
     fn finish(self, wanted: f64, share: f64) -> Trial {
