@@ -60,7 +60,8 @@ fn noise_that_was_put_in_is_found() {
         assert!((error.noise / expected - 1.0).abs() < 0.08, "{error:?} where {expected} was put in");
         assert_eq!(error.bias, 0.0);
         let real = true_relmse(&estimate, 2.0);
-        assert!(real < error.bound && error.bound < 2.0 * real, "{error:?} where the error is {real}");
+        // Twice the estimate, and the spread of 16 blocks.
+        assert!(real < error.bound && error.bound < 2.5 * real, "{error:?} where the error is {real}");
     }
 }
 
