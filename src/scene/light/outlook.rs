@@ -278,10 +278,11 @@ impl Outlooks {
             Some(groups) => groups.find(place, target)?,
             None => (0, near, target),
         };
-        let group = &self.members[group];
-        let within = if self.groups.is_some() { group.lamps.total(place) } else { near };
-        let (member, share, _) = group.lamps.find(place, rest / importance * within)?;
-        Some((group.lights[member] as usize, importance / total * (share / within)))
+        let Group { lamps, lights } = &self.members[group];
+        let within = if self.groups.is_some() { lamps.total(place) } else { near };
+        let (member, share, _) = lamps.find(place, rest / importance * within)?;
+        let probability = if self.groups.is_some() { importance / total * (share / within) } else { share / total };
+        Some((lights[member] as usize, probability))
     }
 
     /// The probability with which [`Outlooks::pick`] takes `light` at `place`.

@@ -78,12 +78,13 @@ impl LightTable {
             return Some((0, 1.0));
         }
         let by_power = place.by_power();
-        let index = if u < by_power {
-            self.by_power.pick(u / by_power).0
+        let (index, at_place) = if u < by_power {
+            let index = self.by_power.pick(u / by_power).0;
+            (index, self.by_place.probability(place, index))
         } else {
-            self.by_place.pick(place, (u - by_power) / (1.0 - by_power))?.0
+            self.by_place.pick(place, (u - by_power) / (1.0 - by_power))?
         };
-        Some((index, self.probability(place, index)))
+        Some((index, self.mixed(place, index, at_place)))
     }
 
     /// The probability with which [`LightTable::sample_direct`] takes a light at `place`.
@@ -92,8 +93,14 @@ impl LightTable {
         if self.lights.len() == 1 {
             return 1.0;
         }
+        self.mixed(place, index, self.by_place.probability(place, index))
+    }
+
+    /// The probability of a pick of which a share goes by power, and the rest with probability `at_place`.
+    #[inline]
+    fn mixed(&self, place: &Place, index: usize, at_place: f32) -> f32 {
         let by_power = place.by_power();
-        by_power * self.by_power.probability(index) + (1.0 - by_power) * self.by_place.probability(place, index)
+        by_power * self.by_power.probability(index) + (1.0 - by_power) * at_place
     }
 
     /// Picks a light with `u[2]` and samples what may arrive from it at `place`; densities include the pick.
