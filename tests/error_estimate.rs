@@ -58,11 +58,25 @@ fn noise_that_was_put_in_is_found() {
         let expected = f64::from(strength * strength) / 3.0 / f64::from(passes);
         // 4096 squared differences: ± 2.2 % of their mean.
         assert!((error.noise / expected - 1.0).abs() < 0.08, "{error:?} where {expected} was put in");
-        assert_eq!(error.bias, 0.0);
+        assert_eq!((error.bias, error.sampled_noise), (0.0, error.noise));
         let real = true_relmse(&estimate, 2.0);
         // Twice the estimate, and the spread of 16 blocks.
         assert!(real < error.bound && error.bound < 2.5 * real, "{error:?} where the error is {real}");
     }
+}
+
+/// Noise of camera paths and noise of density estimates, one three times as strong as the other.
+#[test]
+fn noise_is_told_apart_by_where_it_comes_from() {
+    let estimate = invented(16, |pass, pixel| Sample {
+        radiance: 1.0 + 0.3 * noise(pass, pixel, 0),
+        density: 1.0 + 0.9 * noise(pass, pixel, 1),
+        inner: 0.5,
+    });
+    let error = estimate.error().expect("both twins have passes");
+    let ratio = error.sampled_noise / error.noise;
+    // 4096 squared differences of each: ± 2.6 % of the ratio.
+    assert!((ratio / 0.1 - 1.0).abs() < 0.12, "{ratio} where 0.1 was put in");
 }
 
 /// The left half is noisy, the right half is not: the standard error of the mean of n passes is σ/√n, and 0.

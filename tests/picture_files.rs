@@ -9,7 +9,8 @@ use exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{
     LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureFileError, PictureFormat, PictureLayer, PictureMetadata,
-    UnknownLayer, check_writable, decode_channels, decode_exr, encode_exr, encode_png, read_exr, write_file,
+    UnknownLayer, check_writable, decode_channels, decode_exr, encode_exr, encode_png, read_exr, read_standard_error,
+    write_file,
 };
 
 fn picture() -> Picture {
@@ -82,6 +83,25 @@ fn channels_are_read_by_the_names_of_layers() {
     let noise = std::fs::read("tests/references/cornell-glass/stderr.exr").expect("a reference");
     let noise = decode_channels(&noise).expect("decodes");
     assert_eq!(noise.layer("luminance").expect("grey").values.len(), 128 * 128);
+}
+
+/// A picture whose layer `error` is known brings its own noise; a look at a job that has just begun does not.
+#[test]
+fn pictures_bring_their_standard_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("picture.exr");
+    let found = |errors: Option<Vec<f32>>| {
+        let layers = errors.map(|errors| PictureLayer { layer: Layer::Error, channels: vec![errors] });
+        let bytes = encode_exr(&picture(), layers.as_slice(), &metadata()).expect("encodes");
+        write_file(&path, &bytes).expect("writes");
+        read_standard_error(&path).expect("reads")
+    };
+    let errors: Vec<f32> = (0..851).map(|pixel| pixel as f32).collect();
+    let known = found(Some(errors.clone())).expect("the layer");
+    assert_eq!((known.width, known.height), (37, 23));
+    assert!(known.radiance.iter().zip(errors).all(|(pixel, error)| *pixel == [error; 3]));
+    assert_eq!(found(Some(vec![f32::NAN; 851])), None);
+    assert_eq!(found(None), None);
 }
 
 #[test]

@@ -6,7 +6,7 @@ mod progressive;
 
 use std::sync::Arc;
 
-use photonfarm::evaluation::{Spent, Stopwatch, StopwatchError, survey};
+use photonfarm::evaluation::{Spent, Stopwatch, StopwatchError, Survey, Trial, survey};
 use photonfarm::method::MethodChoice;
 
 /// Every look at it takes so many seconds.
@@ -22,13 +22,17 @@ impl Stopwatch for Steps {
     }
 }
 
+fn surveyed(reference: &str, wanted: f64, step: f64) -> Survey {
+    let scene = Arc::into_inner(progressive::reference_scene(reference)).expect("nobody else has it");
+    let choice = |name: &str| MethodChoice { name: name.to_owned(), parameters: serde_json::Map::default() };
+    survey(scene, choice, wanted, &mut Steps { now: 0.0, step }).expect("methods are found")
+}
+
 /// On a machine so slow that the first passes outlast the later rounds, a method has nothing new to tell there.
 #[test]
 fn slow_machines_get_a_plan_too() {
     for step in [0.3, 5.0] {
-        let scene = Arc::into_inner(progressive::reference_scene("furnace-env")).expect("nobody else has it");
-        let choice = |name: &str| MethodChoice { name: name.to_owned(), parameters: serde_json::Map::default() };
-        let found = survey(scene, choice, 1e-4, &mut Steps { now: 0.0, step }).expect("methods are found");
+        let found = surveyed("furnace-env", 1e-4, step);
         assert!(found.trials.len() > 3);
         for trial in &found.trials {
             let seconds = trial.expected_seconds;
@@ -36,4 +40,21 @@ fn slow_machines_get_a_plan_too() {
         }
         assert!(found.trials.is_sorted_by_key(|trial| trial.expected_seconds));
     }
+}
+
+/// Noise of camera paths falls as 1/time, what density estimates add as time^−2/3: alone, and between the two where both are there.
+#[test]
+fn promises_follow_the_rates() {
+    let found = surveyed("furnace-closed", 1e-3, 0.1);
+    for Trial { method, seconds, error, expected_seconds, .. } in &found.trials {
+        let error = error.expect("all see light");
+        let all = (error.noise + error.bias) / found.wanted;
+        let [soonest, latest] = [all, all.powf(1.5)].map(|longer| seconds * longer / expected_seconds);
+        if ["sppm", "vcm"].contains(&method.choice.name.as_str()) {
+            assert!(soonest < 0.99 && latest > 1.01, "{}: {soonest} to {latest}", method.choice.name);
+        } else {
+            assert!((soonest - 1.0).abs() < 1e-9, "{}: {soonest}", method.choice.name);
+        }
+    }
+    assert!(found.trials.iter().any(|trial| trial.method.choice.name == "sppm"));
 }

@@ -10,10 +10,7 @@ use utoipa::{IntoParams, PartialSchema};
 use super::ApiState;
 use super::extract::{PathValue, QueryValues};
 use super::problem::Problem;
-use crate::estimate::Picture;
-use crate::estimate::picture_files::{
-    LAYERS, Layer, PictureFileError, PictureLayer, PictureMetadata, encode_exr, encode_png,
-};
+use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_png};
 use crate::evaluation::chart::{draw_job, to_svg};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
@@ -109,7 +106,7 @@ pub async fn image_exr(
     }
     let (picture, layers, status) = state.coordinator.picture_with_layers(&id, &wanted).await?;
     let tag = etag(&status, &variant);
-    let bytes = encode(move || encode_exr_of(&picture, &layers, &status)).await?;
+    let bytes = encode(move || encode_exr(&picture, &layers, &metadata_of(&status))).await?;
     Ok(image("image/x-exr", &tag, bytes))
 }
 
@@ -135,9 +132,7 @@ pub async fn chart_svg(
     }
     let history = state.coordinator.error_history(&id)?;
     let (tag, title) = (etag(&status, "svg"), format!("{id}: {}", status.method));
-    let svg = tokio::task::spawn_blocking(move || to_svg(&draw_job(&title, &history, status.stop.error)));
-    let svg = svg.await.map_err(|error| FarmError::Internal(error.to_string()))?;
-    let svg = svg.map_err(|error| FarmError::Internal(error.to_string()))?;
+    let svg = encode(move || to_svg(&draw_job(&title, &history, status.stop.error))).await?;
     Ok(image("image/svg+xml", &tag, svg.into_bytes()))
 }
 
@@ -145,10 +140,6 @@ pub async fn chart_svg(
 fn wanted_layers(list: &str) -> Result<Vec<Layer>, Problem> {
     Layer::parse_list(list)
         .map_err(|unknown| Problem::bad_request(unknown.to_string(), format!("known layers: {}", Layer::known())))
-}
-
-fn encode_exr_of(picture: &Picture, layers: &[PictureLayer], status: &JobStatus) -> Result<Vec<u8>, PictureFileError> {
-    encode_exr(picture, layers, &metadata_of(status))
 }
 
 /// What the header of an EXR says of a job.
@@ -165,9 +156,9 @@ pub fn metadata_of(status: &JobStatus) -> PictureMetadata {
 }
 
 /// Runs an encoder where it does not hold up other requests.
-async fn encode(
-    encoder: impl FnOnce() -> Result<Vec<u8>, PictureFileError> + Send + 'static,
-) -> Result<Vec<u8>, Problem> {
+async fn encode<T: Send + 'static, E: std::fmt::Display + Send + 'static>(
+    encoder: impl FnOnce() -> Result<T, E> + Send + 'static,
+) -> Result<T, Problem> {
     let encoded = tokio::task::spawn_blocking(encoder).await.map_err(|error| FarmError::Internal(error.to_string()))?;
     Ok(encoded.map_err(|error| FarmError::Internal(error.to_string()))?)
 }

@@ -10,7 +10,7 @@ use super::ApiState;
 use super::extract::{PathValue, QueryValues};
 use super::images::{etag, image, unchanged};
 use super::problem::Problem;
-use crate::estimate::picture_files::{Channels, LAYERS, LUMINANCE, Layer, LayerValues, PictureFileError};
+use crate::estimate::picture_files::{Channels, LUMINANCE, Layer, LayerRow, LayerValues, PictureFileError};
 use crate::evaluation::chart::{CanvasError, Drawing, ScaleError, ScaleRequest, Spacing, draw_layer, to_png, to_svg};
 use crate::farm::FarmError;
 
@@ -57,8 +57,7 @@ impl MapQuery {
     /// The further layer that is needed; none for the picture itself.
     #[expect(clippy::result_large_err, reason = "made at most once a request")]
     fn further_layer(&self) -> Result<Option<Layer>, Problem> {
-        let found = LAYERS.iter().find(|row| row.name == self.layer || row.channels.contains(&self.layer.as_str()));
-        match found {
+        match LayerRow::named(&self.layer) {
             Some(row) => Ok(Some(row.layer)),
             None if [LUMINANCE, "R", "G", "B"].contains(&self.layer.as_str()) => Ok(None),
             None => {

@@ -7,7 +7,7 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::terminal;
 use crate::estimate::picture_files::{encode_png, read_exr, write_file};
-use crate::evaluation::{Metrics, compare, signed_difference};
+use crate::evaluation::{Metrics, compare, signed_difference, standard_error_of};
 
 /// Measure how far a picture is from a reference.
 ///
@@ -18,7 +18,7 @@ pub(super) struct Compare {
     image: PathBuf,
     /// What it should be.
     reference: PathBuf,
-    /// The reference's standard error per pixel, as an EXR; tells its own part in the error.
+    /// The reference's standard error per pixel, as an EXR, in place of its own layer `error`; tells its own part in the error.
     #[arg(long, value_name = "FILE")]
     stderr: Option<PathBuf>,
     /// Also write where the picture is too bright (red) and too dark (blue), as a PNG.
@@ -36,7 +36,7 @@ impl Compare {
     pub(super) fn run(self) -> Result<(), CliError> {
         let image = read_exr(&self.image)?;
         let reference = read_exr(&self.reference)?;
-        let standard_error = self.stderr.as_deref().map(read_exr).transpose()?;
+        let standard_error = standard_error_of(&self.reference, self.stderr.as_deref())?;
         let metrics = compare(&image, &reference, standard_error.as_ref());
         let metrics = metrics.map_err(|error| CliError::BadInput(error.to_string()))?;
         if !(self.full > 0.0 && self.full.is_finite()) {

@@ -35,6 +35,8 @@ const MARGIN: f64 = 2.0;
 pub struct ErrorEstimate {
     /// relMSE by noise.
     pub noise: f64,
+    /// The part of it that camera paths bring by themselves. It falls with the passes; noise of density estimates falls slower.
+    pub sampled_noise: f64,
     /// relMSE by bias; 0 without density estimates.
     pub bias: f64,
     /// What relMSE is below with 95 % confidence.
@@ -48,6 +50,8 @@ struct PixelError {
     gray: f64,
     /// Variance, mean of the channels.
     variance: f64,
+    /// The same of what camera paths bring by themselves.
+    sampled_variance: f64,
     /// Squared bias, mean of the channels; may be negative.
     squared_bias: f64,
 }
@@ -64,18 +68,19 @@ impl Estimate {
         let (width, height) = (self.width as usize, self.height as usize);
         let smooth = Smooth::new(&pixels, width, height, FLOOR * mean * mean);
         let mut blocks = vec![(0.0, 0.0); width.div_ceil(BLOCK) * height.div_ceil(BLOCK)];
-        let (mut noise, mut bias) = (0.0, 0.0);
+        let (mut noise, mut sampled_noise, mut bias) = (0.0, 0.0, 0.0);
         for (index, pixel) in pixels.iter().enumerate() {
             let (row, column) = (index / width, index % width);
             let scale = smooth.inverse_square(row, column);
             let (by_noise, by_bias) = (pixel.variance * scale, pixel.squared_bias * scale);
             (noise, bias) = (noise + by_noise / count, bias + by_bias / count);
+            sampled_noise += pixel.sampled_variance * scale / count;
             let block = &mut blocks[row / BLOCK * width.div_ceil(BLOCK) + column / BLOCK];
             *block = (block.0 + by_noise + by_bias, block.1 + 1.0);
         }
         let bias = bias.max(0.0);
         let bound = MARGIN * (noise + bias) + DEVIATIONS * deviation_of_mean(&blocks);
-        Some(ErrorEstimate { noise, bias, bound })
+        Some(ErrorEstimate { noise, sampled_noise, bias, bound })
     }
 
     /// The standard error of every pixel of [`Estimate::picture`], W·sr⁻¹·m⁻²: by noise alone, root mean square of the channels and of the
@@ -117,10 +122,14 @@ impl Estimate {
             let gray = mean.iter().sum::<f64>() / 3.0;
             let squares = mean.iter().map(|value| value * value).sum::<f64>() / 3.0;
             let colored = if gray > 0.0 { squares / (gray * gray) } else { 1.0 };
-            let difference = (0..3).map(|c| (radiance[0][c] - radiance[1][c]).powi(2)).sum::<f64>() / 3.0;
+            let sampled = [0, 1].map(|twin| sums[twin].radiance.map(|sum| sum * scales[twin].per_pass));
+            let variance = |[a, b]: [[f64; 3]; 2]| {
+                shares[0] * shares[1] * (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>() / 3.0
+            };
             pixels.push(PixelError {
                 gray,
-                variance: shares[0] * shares[1] * difference,
+                variance: variance(radiance),
+                sampled_variance: variance(sampled),
                 squared_bias: bias[0] * bias[1] * colored,
             });
         }

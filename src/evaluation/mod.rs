@@ -31,7 +31,7 @@ pub use machine::Machine;
 pub use metrics::{CompareError, Metrics, ReferenceNoise, compare};
 pub use peers::{PeerPoint, PeersError, read_peers};
 pub use record::{Record, ResultsError, ResultsFile, RunKey, read_results};
-pub use reference::{Reference, ReferenceError, ReferencePlace, reference_folders};
+pub use reference::{Reference, ReferenceError, ReferencePlace, reference_folders, standard_error_of};
 pub use run::{Run, RunError, Snapshot, follow, on_threads};
 pub use sample::{Measure, Sample};
 pub use shown::exposure_factor;

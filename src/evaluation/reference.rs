@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::estimate::Picture;
-use crate::estimate::picture_files::{PictureFileError, read_exr};
+use crate::estimate::picture_files::{PictureFileError, read_exr, read_standard_error};
 use crate::scene::error::SceneError;
 use crate::scene::{Scene, import};
 
@@ -31,7 +31,8 @@ pub struct ReferencePlace {
     pub scene: PathBuf,
     /// The converged picture; `ref.exr` beside the scene when it is not given.
     pub picture: Option<PathBuf>,
-    /// Its standard error; `stderr.exr` beside the scene, if it is there, when neither is given.
+    /// Its standard error. When it is not given: `stderr.exr` beside the scene, if it is there and the picture is not given, else the picture's
+    /// own layer `error`, if it has one.
     pub standard_error: Option<PathBuf>,
     /// Names and values in place of the scene's defaults.
     pub defines: Vec<(String, String)>,
@@ -83,7 +84,7 @@ impl Reference {
             hashed.extend_from_slice(format!("\n{name}={value}").as_bytes());
         }
         let (picture, standard_error) = match &place.picture {
-            Some(path) => (read_exr(path)?, place.standard_error.as_deref().map(read_exr).transpose()?),
+            Some(path) => (read_exr(path)?, standard_error_of(path, place.standard_error.as_deref())?),
             None => pictures_beside(folder, place.standard_error.as_deref())?,
         };
         let name = name_of(&file);
@@ -113,14 +114,20 @@ pub fn reference_folders(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
 }
 
 fn pictures_beside(folder: &Path, standard_error: Option<&Path>) -> Result<(Picture, Option<Picture>), ReferenceError> {
-    let mut picture = read_exr(&folder.join("ref.exr"))?;
+    let path = folder.join("ref.exr");
+    let mut picture = read_exr(&path)?;
     if let Some(radiance) = analytic_radiance(folder)? {
         picture.radiance.fill([radiance; 3]);
         return Ok((picture, None));
     }
     let beside = folder.join("stderr.exr");
     let standard_error = standard_error.or(beside.is_file().then_some(beside.as_path()));
-    Ok((picture, standard_error.map(read_exr).transpose()?))
+    Ok((picture, standard_error_of(&path, standard_error)?))
+}
+
+/// The standard error of the picture at `picture`, from the file `given` or its own layer `error`; `None` when it has none.
+pub fn standard_error_of(picture: &Path, given: Option<&Path>) -> Result<Option<Picture>, PictureFileError> {
+    given.map_or_else(|| read_standard_error(picture), |given| read_exr(given).map(Some))
 }
 
 fn analytic_radiance(folder: &Path) -> Result<Option<f32>, ReferenceError> {

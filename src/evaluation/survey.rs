@@ -1,15 +1,18 @@
 //! Which method suits a scene: what `--method auto` and `plan` ask.
 //!
 //! Every method that finds all of a scene's light renders a small picture of it for a moment. Its own error estimate, without a
-//! reference, and the rate with which that falls tell when it would reach the error that is wanted. The best go on in further rounds, as long as
-//! these are short beside what is promised; the soonest wins. Time is measured, so another machine may choose another
+//! reference, and the rates with which its parts fall tell when it would reach the error that is wanted. The best go on in further rounds,
+//! as long as these are short beside what is promised; the soonest wins. Time is measured, so another machine may choose another
 //! method: the choice is made once, when a job is submitted, and written into the job.
 //!
 //! | symbol | meaning |
 //! |---|---|
-//! | e, t | error bound and processor-seconds of the trial |
-//! | β | the rate with which error falls with time: between the last two rounds, at most 1 and at least theory's |
-//! | t·(e/wanted)^(1/β)·(pixels/small pixels) | processor-seconds to the wanted error |
+//! | t | processor-seconds of the trial |
+//! | s | the part of its error that falls with 1/time: noise of what camera paths sample |
+//! | d | the rest: noise and bias of density estimates |
+//! | β | the rate with which that falls, by theory |
+//! | x | times as long: s/x + d/x^β = wanted |
+//! | x·t·(pixels/small pixels) | processor-seconds to the wanted error |
 
 use std::sync::Arc;
 
@@ -149,45 +152,37 @@ struct Racer {
     rate: f64,
     seconds: f64,
     error: Option<ErrorEstimate>,
-    /// Seconds and error bound after the round before.
-    before: Option<(f64, f64)>,
 }
 
 impl Racer {
     fn new(small: &Arc<Scene>, checked: &CheckedMethod, method: CheckedMethod) -> Result<Self, RunError> {
         let rate = -method::theory_rate(checked)?;
-        Ok(Self { run: Run::start(small, checked, 0)?, method, rate, seconds: 0.0, error: None, before: None })
+        Ok(Self { run: Run::start(small, checked, 0)?, method, rate, seconds: 0.0, error: None })
     }
 
     /// Makes pairs of passes until `seconds` were spent.
     fn run_until(&mut self, seconds: f64, stopwatch: &mut dyn Stopwatch) -> Result<(), RunError> {
-        let (passes, before) = (self.run.passes(), self.error.map(|error| (self.seconds, error.bound)));
         let start = stopwatch.spent()?.processor - self.seconds;
         while self.run.passes() < LEAST_PASSES || self.seconds < seconds {
             self.run.pass()?;
             self.run.pass()?;
             self.seconds = stopwatch.spent()?.processor - start;
         }
-        // A method whose first passes took longer than this round has nothing new to tell.
-        if self.run.passes() > passes {
-            (self.before, self.error) = (before, self.run.error());
-        }
+        self.error = self.run.error();
         Ok(())
     }
 
-    /// Processor-seconds until the small picture's error is `wanted`, by the rate of the last round or theory's.
+    /// Processor-seconds until the small picture's error is `wanted`.
     fn expected_seconds(&self, wanted: f64) -> f64 {
         let Some(error) = self.error.filter(|_| self.rate > 0.0) else { return f64::INFINITY };
-        // Progressive methods begin faster than theory says for many passes.
-        let measured = self.before.map(|(seconds, bound)| (bound / error.bound).ln() / (self.seconds / seconds).ln());
-        let rate = measured.map_or(self.rate, |measured| measured.clamp(self.rate, 1.0));
-        self.seconds * (error.bound / wanted).powf(1.0 / rate)
+        let sampled = error.sampled_noise.min(error.noise);
+        self.seconds * times_as_long([sampled, error.noise - sampled + error.bias], self.rate, wanted)
     }
 
-    /// The same at the best rate that there is: few passes tell no rate, and theory's is for many.
+    /// The same at the best rate that there is: few passes tell little of what falls how fast.
     fn hoped_seconds(&self, wanted: f64) -> f64 {
         match self.error.filter(|_| self.rate > 0.0) {
-            Some(error) => self.seconds * error.bound / wanted,
+            Some(error) => self.seconds * (error.noise + error.bias) / wanted,
             None => f64::INFINITY,
         }
     }
@@ -197,4 +192,21 @@ impl Racer {
         let Self { run, method, seconds, error, .. } = self;
         Trial { method, passes: run.passes(), seconds, error, expected_seconds }
     }
+}
+
+/// The x at which sampled/x + gathered/x^rate is `wanted`, by bisection of its logarithm.
+fn times_as_long([sampled, gathered]: [f64; 2], rate: f64, wanted: f64) -> f64 {
+    let all = (sampled + gathered) / wanted;
+    // Each bound is right if all of the error falls with one of the rates.
+    let (mut low, mut high) = (all.min(all.powf(1.0 / rate)), all.max(all.powf(1.0 / rate)));
+    for _ in 0..64 {
+        let middle = (low * high).sqrt();
+        let left = sampled / middle + gathered / middle.powf(rate);
+        if left > wanted {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
 }

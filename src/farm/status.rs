@@ -53,7 +53,7 @@ impl State {
 }
 
 fn estimated_error(measured: MeasuredError) -> EstimatedError {
-    let ErrorEstimate { noise, bias, bound } = measured.error;
+    let ErrorEstimate { noise, bias, bound, .. } = measured.error;
     EstimatedError { passes: measured.passes, relmse: noise + bias, noise, bias, bound, confidence: CONFIDENCE }
 }
 

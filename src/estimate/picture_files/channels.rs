@@ -1,6 +1,6 @@
 //! A picture's channels by name, and the layers that they make up.
 
-use super::layers::{LAYERS, NOTHING_SEEN, RADIANCE_UNIT};
+use super::layers::{LayerRow, NOTHING_SEEN, RADIANCE_UNIT};
 use super::{PictureFileError, PictureLayer};
 use crate::estimate::Picture;
 
@@ -59,7 +59,7 @@ impl Channels {
             let (name, known) = (name.to_owned(), self.layer_names().join(", "));
             PictureFileError::UnknownLayer { name, known }
         })?;
-        let row = LAYERS.iter().find(|row| row.name == name || row.channels.contains(&name));
+        let row = LayerRow::named(name);
         let is_radiance = [LUMINANCE, "R", "G", "B"].contains(&name);
         let (meaning, unit) = match row {
             Some(row) => (row.meaning, row.unit),

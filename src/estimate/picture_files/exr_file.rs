@@ -85,6 +85,18 @@ pub fn read_channels(path: &Path) -> Result<Channels, PictureFileError> {
     read_file(path, decode_channels)
 }
 
+/// The standard error of each channel, as the layer `error` of an EXR file tells it; `None` when the file has none, or not everywhere.
+pub fn read_standard_error(path: &Path) -> Result<Option<Picture>, PictureFileError> {
+    let channels = read_channels(path)?;
+    let known = channels.layer(super::Layer::Error.row().name).ok();
+    let known = known.filter(|layer| layer.values.iter().all(|value| value.is_finite()));
+    Ok(known.map(|layer| Picture {
+        width: channels.width,
+        height: channels.height,
+        radiance: layer.values.iter().map(|value| [*value; 3]).collect(),
+    }))
+}
+
 fn read_file<T>(path: &Path, decoder: fn(&[u8]) -> Result<T, PictureFileError>) -> Result<T, PictureFileError> {
     let bytes = std::fs::read(path).map_err(|source| PictureFileError::Read { path: path.to_owned(), source })?;
     decoder(&bytes).map_err(|error| match error {

@@ -36,6 +36,11 @@ pub struct LayerRow {
 }
 
 impl LayerRow {
+    /// The row of the layer that is called `name` or has a channel of that name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        LAYERS.iter().find(|row| row.name == name || row.channels.contains(&name))
+    }
+
     /// All of it in words.
     pub fn description(&self) -> String {
         let Self { meaning, unit, nothing, .. } = self;

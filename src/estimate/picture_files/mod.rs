@@ -14,7 +14,9 @@ use std::path::{Path, PathBuf};
 
 pub use atomic_write::{check_writable, write_file};
 pub use channels::{Channels, LUMINANCE, LayerValues};
-pub use exr_file::{decode_channels, decode_exr, encode_channels, encode_exr, read_channels, read_exr};
+pub use exr_file::{
+    decode_channels, decode_exr, encode_channels, encode_exr, read_channels, read_exr, read_standard_error,
+};
 pub use layers::{LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureLayer, UnknownLayer};
 pub(crate) use png_file::srgb_byte;
 pub use png_file::{encode_png, encode_png_bytes};
