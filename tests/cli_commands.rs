@@ -1,11 +1,15 @@
 //! The program as its users meet it: what it prints, where, and with which exit code.
 
+#[path = "support/command_line.rs"]
+#[expect(dead_code, reason = "failures are looked at more closely here")]
+mod command_line;
 #[path = "support/exr_channels.rs"]
 mod exr_channels;
 
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::{Output, Stdio};
 
+use command_line::{ended, program, run};
 use exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{LAYERS, PictureMetadata, encode_exr, write_file};
@@ -14,26 +18,14 @@ use photonfarm::estimate::picture_files::{LAYERS, PictureMetadata, encode_exr, w
 const NOBODY: &str = "http://127.0.0.1:9";
 const SCENE: &str = "tests/references/cornell-diffuse/scene.xml";
 
-fn program(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_photonfarm"));
-    command.args(arguments).env_remove("PHOTONFARM_URL").stdin(Stdio::null());
-    command
-}
-
-fn run(arguments: &[&str]) -> Output {
-    program(arguments).output().expect("the program starts")
-}
-
 fn stdout(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
 /// Standard error of a run that failed with `code` and printed no result.
 fn failure(output: &Output, code: i32) -> String {
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
     assert_eq!(stdout(output), "", "results only on standard output");
-    stderr
+    ended(output, code)
 }
 
 fn write_grey(path: &Path, grey: f32) {

@@ -1,38 +1,17 @@
 //! `evaluate` and `chart` as their users meet them.
 
+#[path = "support/command_line.rs"]
+mod command_line;
 #[path = "support/result_records.rs"]
 mod result_records;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
 
+use command_line::{failure, run, success, text};
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{PictureMetadata, encode_exr, write_file};
 use photonfarm::evaluation::{Record, read_results};
 use result_records::with_errors;
-
-fn run(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_photonfarm"));
-    command.args(arguments).stdin(Stdio::null()).output().expect("the program starts")
-}
-
-fn success(arguments: &[&str]) -> String {
-    let output = run(arguments);
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.success(), "{stderr}");
-    stderr
-}
-
-fn failure(arguments: &[&str], code: i32) -> String {
-    let output = run(arguments);
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
-    stderr
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
-}
 
 const SCENE: &str = "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film type='hdrfilm'>\
     <integer name='width' value='16'/><integer name='height' value='12'/><rfilter type='box'/></film></sensor>\

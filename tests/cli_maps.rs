@@ -1,41 +1,20 @@
 //! False-color maps, weight maps and time shares, as users of the command line meet them.
 
+#[path = "support/command_line.rs"]
+mod command_line;
 #[path = "support/exr_channels.rs"]
 mod exr_channels;
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
 
+use command_line::{failure, run, success, text};
 use exr_channels::exr_channels;
 use photonfarm::estimate::picture_files::{Channels, PictureMetadata, encode_channels, write_file};
 
 /// Closed, every surface shines: whatever is seen has radiance 1, and every strategy finds all of it.
 const FURNACE: &str = "tests/references/furnace-closed/scene.xml";
 const NO_VALUE: [u8; 3] = [150; 3];
-
-fn run(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_photonfarm"));
-    command.args(arguments).env_remove("PHOTONFARM_URL").stdin(Stdio::null());
-    command.output().expect("the program starts")
-}
-
-fn success(arguments: &[&str]) {
-    let output = run(arguments);
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-}
-
-/// Standard error of a run that failed with `code`.
-fn failure(arguments: &[&str], code: i32) -> String {
-    let output = run(arguments);
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(code), "{stderr}");
-    stderr
-}
-
-fn text(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
-}
 
 fn channels_of(path: &Path) -> BTreeMap<String, Vec<f32>> {
     exr_channels(&std::fs::read(path).expect("a picture"))

@@ -108,12 +108,15 @@ fn all_kinds() -> Scene {
     scene_text::prepare(&body, &files).expect("the scene is good")
 }
 
+fn picks_of(scene: &Scene) -> Outlooks {
+    let outlooks: Vec<Outlook> = scene.lights.lights().iter().map(|light| light.outlook(&scene.geometry)).collect();
+    Outlooks::new(&outlooks, 1e-4)
+}
+
 #[test]
 fn every_light_that_arrives_can_be_picked() {
     let scene = all_kinds();
-    let lights = scene.lights.lights();
-    let outlooks: Vec<Outlook> = lights.iter().map(|light| light.outlook(&scene.geometry)).collect();
-    let picks = Outlooks::new(&outlooks, 1e-4);
+    let (lights, picks) = (scene.lights.lights(), picks_of(&scene));
     let (mut arrived, mut left_out) = (0, 0);
     for index in 0..20_000 {
         let [u, v, ..] = numbers(2 * index);
@@ -135,9 +138,7 @@ fn every_light_that_arrives_can_be_picked() {
 #[test]
 fn every_light_over_the_horizon_can_be_picked() {
     let scene = all_kinds();
-    let lights = scene.lights.lights();
-    let outlooks: Vec<Outlook> = lights.iter().map(|light| light.outlook(&scene.geometry)).collect();
-    let picks = Outlooks::new(&outlooks, 1e-4);
+    let (lights, picks) = (scene.lights.lights(), picks_of(&scene));
     let (mut arrived, mut left_out) = (0, 0);
     for index in 0..20_000 {
         let [u, v, ..] = numbers(3 * index);
