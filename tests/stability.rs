@@ -5,6 +5,8 @@
 
 #[path = "stability/boundaries.rs"]
 mod boundaries;
+#[path = "stability/counter_measures.rs"]
+mod counter_measures;
 #[path = "stability/noise.rs"]
 mod noise;
 #[path = "stability/numbers.rs"]

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use photonfarm::estimate::Picture;
 use photonfarm::scene::Scene;
 
 use crate::pictures::{
@@ -72,24 +71,22 @@ fn furnace(camera: &str) -> Arc<Scene> {
     scene(&[camera, &room([1.0; 3], &format!("{}{}", matte(0.8), glow(0.2)))])
 }
 
-/// Means of rows relative to the even radiance 1: the largest difference.
-fn worst_row(seen: &Picture) -> f64 {
-    (0..seen.height as usize).map(|row| (mean_of_rows(seen, row..row + 1) - 1.0).abs()).fold(0.0, f64::max)
-}
-
 /// Discs that reach over an edge find photons on a part of their area alone.
 #[test]
 fn edges_have_no_dark_bands() {
-    let scene = furnace(&camera("0, 0, 0", "1, -1, 0", "0, 1, 0", 40.0, 32));
-    for (method, bound) in [("sppm", 0.16), ("ppm", 0.12), ("vcm", 0.08)] {
-        let mut parameters = with_photons(method, 32768);
-        if method != "vcm" {
-            parameters = parameters.replace('}', r#", "direct": "photons"}"#);
-        }
-        let seen = picture(&scene, method, &parameters, 12);
-        assert_below(worst_row(&seen), bound, &format!("{method}: worst row about an edge"));
+    let seen = |method: &str, size: u32, parameters: &str| {
+        let seen = picture(&furnace(&camera("0, 0, 0", "1, -1, 0", "0, 1, 0", 40.0, size)), method, parameters, 12);
         assert_close(mean(&seen), 1.0, 0.02, &format!("{method}: mean about an edge"));
+        seen
+    };
+    for method in ["sppm", "ppm"] {
+        let seen = seen(method, 128, r#"{"photons_per_pass": 32768, "direct": "photons"}"#);
+        // The four rows next to the edge, 0.03 m: −2.8 to −7.8 % over six seeds, and −16 to −20 % with discs that are not made smaller.
+        assert_close(mean_of_rows(&seen, 62..66), 1.0, 0.12, &format!("{method}: next to an edge"));
     }
+    let seen = seen("vcm", 32, &with_photons("vcm", 32768));
+    let worst = (0..32).map(|row| (mean_of_rows(&seen, row..row + 1) - 1.0).abs()).fold(0.0, f64::max);
+    assert_below(worst, 0.08, "vcm: worst row about an edge");
 }
 
 /// A single sheet is its photons' own bounding box: cells at the border must find them.

@@ -1,9 +1,11 @@
 //! Noise where methods make too much of it or of the wrong kind: near lamps, in corners, in blotches, in single pixels.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use photonfarm::estimate::Picture;
 use photonfarm::math::random::{PassRandom, Stream};
+use photonfarm::scene::Scene;
 use photonfarm::scene::light::Light;
 use photonfarm::transport::photon_tracing::{PhotonSettings, trace_photon};
 use photonfarm::transport::{Counters, Limits};
@@ -132,25 +134,32 @@ fn thin_shadows_stay() {
     let floor = sheet("0, 0, 0", "0, 1, 0", "0, 0, 1", [0.2, 0.2], &grey);
     let strip = sheet("0, 0.25, 0", "0, 1, 0", "0, 0, 1", [0.2, 0.015], &black);
     let sun = "<emitter type='directional'><vector name='direction' value='0, -1, 0'/></emitter>";
-    let scene = scene(&[&camera("0, 0.2, 0", "0, 0, 0", "0, 0, 1", 40.0, 32), &floor, &strip, sun]);
+    let view = camera("0, 0.2, 0", "0, 0, 0", "0, 0, 1", 40.0, 32);
+    let small = scene(&[&view, &floor, &strip, sun]);
     // 32 rows show 0.146 m: the shadow takes rows 13 to 18 and parts of the next.
-    let shadow = |method: &str, parameters: &str, passes| {
-        let seen = picture(&scene, method, parameters, passes);
+    let shadow = |scene: &Arc<Scene>, method: &str, parameters: &str, passes| {
+        let seen = picture(scene, method, parameters, passes);
         // Merging with few photons is noisy: `vcm` was up to 5.7 % off.
         let tolerance = if method == "vcm" { 0.1 } else { 0.05 };
         assert_close(mean_of_rows(&seen, 0..6), 0.5 / PI, tolerance, &format!("{method} {parameters}: in the sun"));
         mean_of_rows(&seen, 14..18) / (0.5 / PI)
     };
-    assert_below(shadow("vcm", &with_photons("vcm", 4096), 4), 0.05, "vcm: light in a thin shadow");
+    assert_below(shadow(&small, "vcm", &with_photons("vcm", 4096), 4), 0.05, "vcm: light in a thin shadow");
     for method in ["sppm", "ppm", "path", "bdpt"] {
-        assert_eq!(shadow(method, &with_photons(method, 4096), 4), 0.0, "{method}: light in a thin shadow");
+        assert_eq!(shadow(&small, method, &with_photons(method, 4096), 4), 0.0, "{method}: light in a thin shadow");
     }
     let photons =
         |radius: &str| format!(r#"{{"direct": "photons", "photons_per_pass": 16384, "initial_radius": {radius}}}"#);
-    let wide = shadow("sppm", &photons("0.05"), 8);
+    let wide = shadow(&small, "sppm", &photons("0.05"), 8);
     println!("sppm by photons in discs of 0.05 m: {wide:.3} of the light is in the shadow");
     for method in ["sppm", "ppm"] {
-        let filled = shadow(method, &photons("\"auto\""), 8);
+        let filled = shadow(&small, method, &photons("\"auto\""), 8);
         assert_below(filled, 0.07, &format!("{method} by photons alone: light in a thin shadow"));
     }
+    // The same floor and light in a scene 17 times as large, where first radii must not grow with it: 6.4 to 7.8 % over four seeds.
+    let lamp = "<emitter type='spot'><transform name='to_world'><lookat origin='0, 5, 0' target='0, 0, 0' up='0, 0, 1'/></transform>\
+        <float name='cutoff_angle' value='4'/><float name='beam_width' value='4'/><float name='intensity' value='25'/></emitter>";
+    let large = scene(&[&view, &floor, &strip, &sheet("0, -10, 0", "0, 0, 0", "0, 0, 1", [1.0, 1.0], &grey), lamp]);
+    let filled = shadow(&large, "sppm", &photons("\"auto\""), 8);
+    assert_below(filled, 0.12, "sppm by photons alone: light in a thin shadow of a large scene");
 }

@@ -100,19 +100,25 @@ fn from_above(size: u32) -> String {
     camera("0, 0, 1", "0, 0, 0", "0, 1, 0", 60.0, size)
 }
 
-/// One surface twice at the same place is one surface.
+/// One surface floor at the same place is one surface. It is slanted and off the origin, so that hits are rounded.
 #[test]
 fn coincident_surfaces_count_once() {
-    let floor = sheet("0, 0, 0", "0, 0, 1", "0, 1, 0", [1.0, 1.0], &two_sided(&matte(0.5)));
-    let reversed = sheet("0, 0, 0", "0, 0, -1", "0, 1, 0", [1.0, 1.0], &two_sided(&matte(0.5)));
-    for second in [&floor, &reversed] {
-        let scene = scene(&[&from_above(16), &floor, second, SUN]);
+    let place = |height: f64| {
+        let [x, y, z] = [(0.3, 2.0), (0.7, 3.0), (-0.4, 6.0)].map(|(center, along)| center + height * along / 7.0);
+        format!("{x}, {y}, {z}")
+    };
+    let floor = |target: f64| sheet(&place(0.0), &place(target), "0, 1, 0", [1.0, 1.0], &two_sided(&matte(0.5)));
+    let sun = "<emitter type='directional'><vector name='direction' value='-2, -3, -6'/></emitter>";
+    let view = camera(&place(1.0), &place(0.0), "0, 1, 0", 60.0, 16);
+    for second in [floor(1.0), floor(-1.0)] {
+        let scene = scene(&[&view, &floor(1.0), &second, sun]);
         for method in ["sppm", "ppm", "path", "bdpt", "vcm"] {
             let seen = picture(&scene, method, &with_photons(method, 8192), 4);
-            assert_close(mean(&seen), 0.5 / PI, 0.02, &format!("{method}: two floors in one place"));
+            // Over seven seeds `bdpt` and `vcm` are up to 1.8 % off.
+            assert_close(mean(&seen), 0.5 / PI, 0.03, &format!("{method}: two floors in one place"));
         }
         let by_photons = picture(&scene, "sppm", r#"{"photons_per_pass": 32768, "direct": "photons"}"#, 8);
-        assert_close(mean(&by_photons), 0.5 / PI, 0.01, "sppm by photons: two floors in one place");
+        assert_close(mean(&by_photons), 0.5 / PI, 0.02, "sppm by photons: two floors in one place");
     }
 }
 
