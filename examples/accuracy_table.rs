@@ -33,15 +33,12 @@ Made by `cargo run --release --example accuracy_table`. Scenes and converged pic
 are those of `photonfarm compare`. *noise* is what the reference's own standard error adds to relMSE: no method gets below it.
 The furnaces are compared with their exact radiance, 1. Default parameters, seed 1.
 
-The tables were made before random numbers were spread evenly and distant photons started within the scene's silhouette: errors by noise are smaller today
-([SPEED-AND-ACCURACY.md](SPEED-AND-ACCURACY.md)).
-
 What is left of the bias comes from gather discs that reach over edges and into corners, and falls with the radius. In
 `spot-mirror` it is the sharp rim of a delta light's reflection, which a disc blurs: its worst blocks stand on that rim.
-In `door-ajar` few photons pass the door, and the discs of the dark room are large: −1.2 % after 64 passes, −0.7 % after 256.
+In `door-ajar` few photons pass the door, and the discs of the dark room are large: −0.6 % after 64 passes, −0.45 % after 256.
 
 Rows of 1024 passes are left out: `accuracy_table 1024 1024` takes about four hours. `ppm` stops at 64 passes, since its fixed hit points keep its
-error from then on; in the second table it has 160 passes in `furnace-specular`, and −0.27 % there.
+error from then on; in the second table it has 355 passes in `furnace-specular`, and −0.20 % there.
 
 | scene | method | radius rule | passes | relMSE | noise | mean bias | worst 8×8 block |
 |---|---|---|---:|---:|---:|---:|---:|

@@ -97,7 +97,7 @@ fn print_row(scene: &str, method: &str, blind: bool, looks: &[Look]) {
 const HEADER: &str = "\
 # A job's own error estimate, checked
 
-Made by `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md` (about 25 minutes on one core).
+Made by `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md` (about 12 minutes on one core).
 
 Every job makes two independent pictures, of its even and of its odd passes. Their difference gives the noise of the mean, in relMSE; what is found inside half of
 each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is twice the estimate
@@ -106,8 +106,10 @@ margin for Y, which an estimate without a reference must smooth: errors of dark 
 
 It can only tell what its passes have seen. While the rare paths that carry much light have not been met (path tracing of caustics, light through a
 door), both twins miss them alike, and estimate and bound are too small. Methods that are blind to some light never learn of it; jobs say so beforehand.
-Nor do half discs tell much of a straight edge, which blurs them alike: its squared bias is 3.5 times what they say (∫f² over ∫(2(f(x) − f(√2·x)))², f the share of a
-disc beyond an edge at x radii), and more in relMSE, where the dark side counts by its own darkness. Only the rim of the spotlight's reflection in `spot-mirror` is such a case here: no bound of `sppm` holds.
+
+Where a disc reaches from the dark into bright light, the picture itself is no measure of how dark it should be: half discs find nearly all of the squared bias of `sppm` in
+`spot-mirror` (0.079 where 0.076 is right), but relative to the blurred picture that was an eighth of the error, and no bound held. Now Y is the picture less its bias there, and what
+chance makes of that is told by turning one twin's sign around.
 
 Each row: four seeds, looked at after 8, 16 and 32 passes. *relMSE* is the median after 32 passes, without the reference's noise; *told* and *bound* are medians of estimate and
 bound over the true relMSE.

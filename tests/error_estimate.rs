@@ -117,10 +117,44 @@ fn bias_that_was_put_in_is_found() {
             Sample { radiance: 0.0, density: 1.0 + c + ring + middle, inner }
         });
         let error = estimate.error().expect("both twins have passes");
-        let expected = f64::from(c * c / ((1.0 + c) * (1.0 + c)));
+        // Relative to the truth, or to the picture where that is darker.
+        let expected = f64::from(c * c / (1.0 + c.min(0.0)).powi(2));
         assert!((error.bias / expected - 1.0).abs() < 0.05, "{error:?} where {expected} was put in");
         let real = true_relmse(&estimate, 1.0);
         assert!(real < 1.5 * error.bound, "{error:?} where the error is {real}");
+    }
+}
+
+/// A strip of darkness, 0.1, beside light of 1, blurred: 0.5 is found there, and half the bias inside half of each disc. The picture is no measure of
+/// how dark it should be.
+#[test]
+fn light_in_the_dark_is_measured_by_the_dark() {
+    const DARK: f32 = 0.1;
+    let is_dark = |pixel: u32| (24..36).contains(&(pixel % SIZE));
+    for strength in [0.0, 0.3, 1.0] {
+        let estimate = invented(32, |pass, pixel| {
+            let bias = if is_dark(pixel) { 0.5 - DARK } else { 0.0 };
+            let truth = if is_dark(pixel) { DARK } else { 1.0 };
+            let [ring, middle] = [1, 2].map(|number| 0.5 * strength * (truth + bias) * noise(pass, pixel, number));
+            Sample { radiance: 0.0, density: truth + bias + ring + middle, inner: 0.5 * (truth + 0.5 * bias) + middle }
+        });
+        let error = estimate.error().expect("both twins have passes");
+        // Y is a quarter of the picture at least, and less of the bias is sure where it is noisy.
+        let expected = 12.0 / 64.0 * 0.4f64.powi(2) / 0.125f64.powi(2);
+        assert!((0.65..1.05).contains(&(error.bias / expected)), "{error:?} where {expected} was put in");
+    }
+}
+
+/// Where there is only noise, both twins tell a bias by chance as often as they contradict each other.
+#[test]
+fn noise_is_not_taken_for_light_in_the_dark() {
+    for strength in [0.3, 1.0, 3.0] {
+        let estimate = invented(16, |pass, pixel| {
+            let [ring, middle] = [1, 2].map(|number| 0.5 * strength * noise(pass, pixel, number));
+            Sample { radiance: 0.0, density: 1.0 + ring + middle, inner: 0.5 + middle }
+        });
+        let error = estimate.error().expect("both twins have passes");
+        assert!(error.bias < 0.1 * error.noise, "{error:?}");
     }
 }
 

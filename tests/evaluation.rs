@@ -60,15 +60,16 @@ fn one_run_gives_the_picture_at_every_budget() {
 fn theory_has_a_rate_for_every_method() {
     let rate = |name: &str, parameters| method::theory_rate(&checked(name, parameters)).expect("known");
     let default = |name: &str| rate(name, serde_json::json!({}));
-    for name in ["sppm", "ppm", "pbdpm", "vcm"] {
+    for name in ["sppm", "ppm", "pbdpm"] {
         assert!((default(name) + 2.0 / 3.0).abs() < 1e-4, "{name}: {}", default(name));
     }
-    for name in ["path", "bdpt", "light_tracing"] {
+    for name in ["path", "bdpt", "light_tracing", "vcm"] {
         assert_eq!(default(name), -1.0, "{name}");
     }
     assert_eq!([default("photon_map"), default("bdpm")], [0.0, 0.0]);
     assert!((rate("sppm", serde_json::json!({"alpha": 0.9})) + 0.2).abs() < 1e-9);
     assert_eq!(rate("vcm", serde_json::json!({"merge": "off"})), -1.0);
+    assert!((rate("vcm", serde_json::json!({"connect": "off"})) + 2.0 / 3.0).abs() < 1e-4);
 }
 
 #[test]

@@ -6,10 +6,15 @@
 //!
 //! **Bias.** A density estimate's bias grows with the disc's area where the density is smooth: `L(R²) ≈ L + c·R²`. Inside half the area it
 //! is half as much, so `2·(L(R²) − L(R²/2))` estimates it, with noise. The product of the two twins' estimates has no noise in
-//! the mean: `E[D_A·D_B] = bias²`. At edges the estimate is too small: there the bias falls slower than the area.
+//! the mean: `E[D_A·D_B] = bias²`. At edges the bias falls slower than the area; over all pixels along an edge it still adds up to about that.
 //!
 //! Errors are relative as in `relMSE = mean((L − truth)²/(Y² + 10⁻³·m²))`, Y the truth's mean of channels in the pixel and m that of
 //! the picture; what stands for Y here is the picture, smoothed where it is noisy.
+//!
+//! **Light where there is none.** Where a disc reaches from the dark into bright light, the picture is no measure of Y: it is bright because it is wrong.
+//! There Y is the picture less its bias, in so far as both twins tell it. Noise, too, makes both say so by chance, and then error and Y are wrong
+//! together. But noise says the opposite as often: what is found with the sign of one twin's bias turned around is what chance brings, and is
+//! subtracted. The rest counts when it is more than chance.
 
 use super::merging::{Estimate, RegionProgress};
 use super::shard::Twin;
@@ -26,6 +31,10 @@ const BLOCK: usize = 16;
 pub const CONFIDENCE: f64 = 0.95;
 /// One-sided 95 % of a normal distribution, in standard deviations.
 const DEVIATIONS: f64 = 1.645;
+/// Y is at least this share of the picture, however large the bias.
+const LEAST_SHARE: f64 = 0.25;
+/// From so many standard deviations on, what the bias hides is more than chance.
+const CERTAIN: f64 = 2.0;
 /// Averaging makes the error of dark pixels beside bright ones look smaller: by up to this factor for the whole picture on our
 /// references (docs/ERROR-BOUNDS.md).
 const MARGIN: f64 = 2.0;
@@ -52,8 +61,28 @@ struct PixelError {
     variance: f64,
     /// The same of what camera paths bring by themselves.
     sampled_variance: f64,
+    /// What each twin tells of the bias of `gray`.
+    bias: [f64; 2],
+    /// Mean of the squared channels over the square of their mean.
+    colored: f64,
+}
+
+impl PixelError {
     /// Squared bias, mean of the channels; may be negative.
-    squared_bias: f64,
+    fn squared_bias(&self) -> f64 {
+        self.bias[0] * self.bias[1] * self.colored
+    }
+
+    /// What is added to the squared relative bias when Y is without the bias, less what chance brings.
+    fn hidden(&self, floor: f64) -> f64 {
+        let inverse_square = |gray: f64| 1.0 / (gray * gray + floor);
+        let told = |a: f64, b: f64| {
+            let less = (self.gray - a.min(b)).max(LEAST_SHARE * self.gray);
+            if a > 0.0 && b > 0.0 { a * b * (inverse_square(less) - inverse_square(self.gray)) } else { 0.0 }
+        };
+        let [a, b] = self.bias;
+        (told(a, b) - 0.5 * (told(a, -b) + told(-a, b))) * self.colored
+    }
 }
 
 impl Estimate {
@@ -66,20 +95,25 @@ impl Estimate {
             return None;
         }
         let (width, height) = (self.width as usize, self.height as usize);
-        let smooth = Smooth::new(&pixels, width, height, FLOOR * mean * mean);
-        let mut blocks = vec![(0.0, 0.0); width.div_ceil(BLOCK) * height.div_ceil(BLOCK)];
+        let floor = FLOOR * mean * mean;
+        let smooth = Smooth::new(&pixels, width, height, floor);
+        let (mut blocks, mut hidden) = (Blocks::new(width, height), Blocks::new(width, height));
         let (mut noise, mut sampled_noise, mut bias) = (0.0, 0.0, 0.0);
         for (index, pixel) in pixels.iter().enumerate() {
             let (row, column) = (index / width, index % width);
             let scale = smooth.inverse_square(row, column);
-            let (by_noise, by_bias) = (pixel.variance * scale, pixel.squared_bias * scale);
+            let (by_noise, by_bias) = (pixel.variance * scale, pixel.squared_bias() * scale);
             (noise, bias) = (noise + by_noise / count, bias + by_bias / count);
             sampled_noise += pixel.sampled_variance * scale / count;
-            let block = &mut blocks[row / BLOCK * width.div_ceil(BLOCK) + column / BLOCK];
-            *block = (block.0 + by_noise + by_bias, block.1 + 1.0);
+            blocks.add(row, column, by_noise + by_bias);
+            hidden.add(row, column, pixel.hidden(floor));
+        }
+        if hidden.mean() > CERTAIN * hidden.deviation() {
+            bias += hidden.mean();
+            blocks.join(&hidden);
         }
         let bias = bias.max(0.0);
-        let bound = MARGIN * (noise + bias) + DEVIATIONS * deviation_of_mean(&blocks);
+        let bound = MARGIN * (noise + bias) + DEVIATIONS * blocks.deviation();
         Some(ErrorEstimate { noise, sampled_noise, bias, bound })
     }
 
@@ -130,7 +164,8 @@ impl Estimate {
                 gray,
                 variance: variance(radiance),
                 sampled_variance: variance(sampled),
-                squared_bias: bias[0] * bias[1] * colored,
+                bias,
+                colored,
             });
         }
         Some(())
@@ -190,10 +225,42 @@ impl Smooth {
     }
 }
 
-/// The standard deviation of Σ sum/Σ count, from sums and counts of blocks.
-fn deviation_of_mean(blocks: &[(f64, f64)]) -> f64 {
-    let count: f64 = blocks.iter().map(|(_, count)| count).sum();
-    let mean = blocks.iter().map(|(sum, _)| sum).sum::<f64>() / count;
-    let squares: f64 = blocks.iter().map(|(sum, count)| (sum - mean * count).powi(2)).sum();
-    squares.sqrt() / count
+/// A value of every pixel, summed over blocks that count as independent.
+struct Blocks {
+    width: usize,
+    /// Sum and number of pixels of each block.
+    sums: Vec<(f64, f64)>,
+}
+
+impl Blocks {
+    fn new(width: usize, height: usize) -> Self {
+        Self { width: width.div_ceil(BLOCK), sums: vec![(0.0, 0.0); width.div_ceil(BLOCK) * height.div_ceil(BLOCK)] }
+    }
+
+    fn add(&mut self, row: usize, column: usize, value: f64) {
+        let block = &mut self.sums[row / BLOCK * self.width + column / BLOCK];
+        *block = (block.0 + value, block.1 + 1.0);
+    }
+
+    /// Adds the values of `other` to those of the same pixels.
+    fn join(&mut self, other: &Self) {
+        self.sums.iter_mut().zip(&other.sums).for_each(|(block, other)| block.0 += other.0);
+    }
+
+    /// Pixels.
+    fn count(&self) -> f64 {
+        self.sums.iter().map(|(_, count)| count).sum()
+    }
+
+    /// The mean of all pixels.
+    fn mean(&self) -> f64 {
+        self.sums.iter().map(|(sum, _)| sum).sum::<f64>() / self.count()
+    }
+
+    /// The standard deviation of the mean, from the differences of blocks.
+    fn deviation(&self) -> f64 {
+        let mean = self.mean();
+        let squares: f64 = self.sums.iter().map(|(sum, count)| (sum - mean * count).powi(2)).sum();
+        squares.sqrt() / self.count()
+    }
 }

@@ -63,6 +63,8 @@ pub enum Bias {
     None,
     /// It goes with the gather radius, whose square falls as passes^(α − 1).
     Shrinks,
+    /// The same, but the smaller the radius, the less counts what is gathered: connections take over [Georgiev et al. 2012].
+    TakenOver,
     /// More passes leave it as it is.
     Stays,
 }
@@ -263,12 +265,15 @@ pub fn notices(method: &CheckedMethod, traits: SceneTraits) -> Vec<String> {
 /// The power of time with which theory says that a method's mean square error falls, once there are many passes.
 ///
 /// Without bias −1. Progressive density estimation has variance ∝ passes^−α and bias ∝ passes^(α − 1) [Knaus & Zwicker 2011,
-/// section 4], so the slower of −α and −2(1 − α): −2/3 at α = 2/3, where both are the same. A bias that stays is all that is left in the end: 0.
+/// section 4], so the slower of −α and −2(1 − α): −2/3 at α = 2/3, where both are the same; −1 where connections take over. A bias that stays is all
+/// that is left in the end: 0.
 pub fn theory_rate(method: &CheckedMethod) -> Result<f64, MethodError> {
+    let connects = method.choice.parameters.get("connect").is_none_or(|value| value == "on");
     Ok(match entry(&method.choice.name)?.bias {
+        Bias::TakenOver if connects => -1.0,
         // α = 1 says that nothing is gathered.
-        Bias::Shrinks if method.alpha < 1.0 => -method.alpha.min(2.0 * (1.0 - method.alpha)),
-        Bias::None | Bias::Shrinks => -1.0,
+        Bias::Shrinks | Bias::TakenOver if method.alpha < 1.0 => -method.alpha.min(2.0 * (1.0 - method.alpha)),
+        Bias::None | Bias::Shrinks | Bias::TakenOver => -1.0,
         Bias::Stays => 0.0,
     })
 }

@@ -45,7 +45,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     summary: "vertex connection and merging: bdpt and pbdpm in one",
     cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Georgiev et al. 2012",
-    bias: Bias::Shrinks,
+    bias: Bias::TakenOver,
     parameters: RECIPE.parameters,
     negative_lobes: true,
     strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
