@@ -107,7 +107,7 @@ margin for Y, which an estimate without a reference must smooth: errors of dark 
 It can only tell what its passes have seen. While the rare paths that carry much light have not been met (path tracing of caustics, light through a
 door), both twins miss them alike, and estimate and bound are too small. Methods that are blind to some light never learn of it; jobs say so beforehand.
 
-Where a disc reaches from the dark into bright light, the picture itself is no measure of how dark it should be: half discs find nearly all of the squared bias of `sppm` in
+Where a disc reaches from the dark into bright light, the picture itself is no measure of how dark it should be: half discs find the squared bias of `sppm` in
 `spot-mirror` (0.079 where 0.076 is right), but relative to the blurred picture that was an eighth of the error, and no bound held. Now Y is the picture less its bias there, and what
 chance makes of that is told by turning one twin's sign around.
 

@@ -18,7 +18,8 @@ use crate::scene::prepare::Scene;
 
 /// Say what a scene needs and which method would render it soonest.
 ///
-/// It finds out by short trials. `render --method auto` does the same and goes on with the best method.
+/// It finds out by short trials. `render --method auto` does the same and goes on with the best method. Seconds are those until the error is
+/// expected to be there; a job with `--error` goes on until it is sure, and takes two to three times as long.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Plan {
     /// Scene: Mitsuba XML of any version, JSON, or a zip archive with everything it refers to.
