@@ -8,7 +8,7 @@ mod exr_channels;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use command_line::{failure, run, success, text};
+use command_line::{failure, success, text};
 use exr_channels::exr_channels;
 use photonfarm::estimate::picture_files::{Channels, PictureMetadata, encode_channels, write_file};
 
@@ -153,10 +153,8 @@ fn time_shares_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     let output = folder.path().join("picture.png");
     for (method, parts) in [("vcm", 2), ("sppm", 1), ("path", 0)] {
-        let found =
-            run(&["render", FURNACE, "--method", method, "--passes", "2", "--time-shares", "-o", text(&output)]);
-        let told = String::from_utf8_lossy(&found.stderr).into_owned();
-        assert!(found.status.success(), "{told}");
+        let told =
+            success(&["render", FURNACE, "--method", method, "--passes", "2", "--time-shares", "-o", text(&output)]);
         let line = told.lines().find(|line| line.starts_with("a pass takes")).unwrap_or_else(|| panic!("{told}"));
         let words: Vec<&str> = line.trim_end_matches(" %").split([' ']).collect();
         assert!(words[3].parse::<f64>().is_ok_and(|seconds| seconds > 0.0), "{line}");

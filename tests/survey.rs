@@ -42,7 +42,8 @@ fn slow_machines_get_a_plan_too() {
     }
 }
 
-/// Noise of camera paths falls as 1/time, what density estimates add as time^−2/3 where no connections take over, and all of it between the two where both are there.
+/// Noise of camera paths falls as 1/time, what density estimates add as time^−2/3 where no connections take over, and all of it between
+/// the two where both are there.
 #[test]
 fn promises_follow_the_rates() {
     let found = surveyed("furnace-closed", 1e-3, 0.1);

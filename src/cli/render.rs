@@ -101,9 +101,7 @@ impl Render {
             (false, false) => Err(CliError::Failed("the job ended without a picture; give it more time".to_owned())),
         }
     }
-}
 
-impl Render {
     /// One line on what a pass of the job spends its time on.
     fn time_shares_of(&self, job: &JobStatus, threads: usize) -> Result<String, CliError> {
         let scene = Arc::new(Scene::prepare(&load_file(&self.job.scene, &self.job.defines)?)?);

@@ -174,17 +174,19 @@ impl Racer {
 
     /// Processor-seconds until the small picture's error is `wanted`.
     fn expected_seconds(&self, wanted: f64) -> f64 {
-        let Some(error) = self.error.filter(|_| self.rate > 0.0) else { return f64::INFINITY };
-        let sampled = error.sampled_noise.min(error.noise);
-        self.seconds * times_as_long([sampled, error.noise - sampled + error.bias], self.rate, wanted)
+        self.seconds_at(self.rate, wanted)
     }
 
     /// The same at the best rate that there is: few passes tell little of what falls how fast.
     fn hoped_seconds(&self, wanted: f64) -> f64 {
-        match self.error.filter(|_| self.rate > 0.0) {
-            Some(error) => self.seconds * (error.noise + error.bias) / wanted,
-            None => f64::INFINITY,
-        }
+        self.seconds_at(1.0, wanted)
+    }
+
+    /// The same if what density estimates add falls with `rate`; infinite where nothing is known or the error stays.
+    fn seconds_at(&self, rate: f64, wanted: f64) -> f64 {
+        let Some(error) = self.error.filter(|_| self.rate > 0.0) else { return f64::INFINITY };
+        let sampled = error.sampled_noise.min(error.noise);
+        self.seconds * times_as_long([sampled, error.noise - sampled + error.bias], rate, wanted)
     }
 
     fn finish(self, wanted: f64, share: f64) -> Trial {
