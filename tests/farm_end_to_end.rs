@@ -16,7 +16,7 @@ use photonfarm::farm::wire::messages::{
 };
 use photonfarm::farm::wire::result::encode_tally;
 use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
-use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, server};
+use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, http};
 use photonfarm::method::METHODS;
 use prost::Message;
 use serde_json::json;
@@ -109,7 +109,7 @@ impl Farm {
 async fn serve(handle: &CoordinatorHandle, address: SocketAddr) -> (SocketAddr, JoinHandle<()>) {
     let listener = tokio::net::TcpListener::bind(address).await.expect("a free port");
     let address = listener.local_addr().expect("bound");
-    let app = Router::new().nest("/farm/v1", server::router(handle.clone()));
+    let app = Router::new().nest("/farm/v1", http::router(handle.clone()));
     (address, tokio::spawn(async move { axum::serve(listener, app).await.expect("serving") }))
 }
 

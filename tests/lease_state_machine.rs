@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use photonfarm::estimate::RadiusRule;
 use photonfarm::farm::job::{JobState, StopRule};
-use photonfarm::farm::lease::{Lease, Work};
-use photonfarm::farm::plan::Plan;
-use photonfarm::farm::progress::MergedTotals;
-use photonfarm::farm::schedule::{LeaseAnswer, Outcome, ResultAnswer, Schedule};
+use photonfarm::farm::rules::lease::{Lease, Work};
+use photonfarm::farm::rules::plan::Plan;
+use photonfarm::farm::rules::progress::MergedTotals;
+use photonfarm::farm::rules::schedule::{LeaseAnswer, Outcome, ResultAnswer, Schedule};
 
 const LEASE: Duration = Duration::from_secs(10);
 

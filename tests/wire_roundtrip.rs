@@ -1,8 +1,8 @@
 //! The workers' protocol: what is written is what is read, and hostile bytes are refused without harm.
 
 use photonfarm::estimate::{PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
-use photonfarm::farm::lease::Work;
-use photonfarm::farm::plan::Plan;
+use photonfarm::farm::rules::lease::Work;
+use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::wire::lease::{JobDescription, decode_lease, encode_lease};
 use photonfarm::farm::wire::messages;
 use photonfarm::farm::wire::planes;

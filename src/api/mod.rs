@@ -45,7 +45,7 @@ pub struct ApiState {
 
 /// Everything a coordinator serves: the API under `/v1`, the workers' protocol under `/farm/v1`, and the dashboard.
 pub fn application(coordinator: CoordinatorHandle, shutdown: CancellationToken) -> Router {
-    let workers_protocol = farm::server::router(coordinator.clone());
+    let workers_protocol = farm::http::router(coordinator.clone());
     router(ApiState { coordinator, shutdown }).nest("/farm/v1", workers_protocol)
 }
 

@@ -3,17 +3,17 @@
 //! # One pass, from lease to picture
 //!
 //! 1. A user uploads a scene and submits a job. The [coordinator](CoordinatorHandle) checks both and queues the job in the
-//!    [`schedule`]. It traces no path of a job; only for [layers](CoordinatorHandle::picture_with_layers) it looks at first
-//!    surfaces, and where the method is `auto` it lets methods try a small picture ([`request`]).
-//! 2. A [worker](worker) registers over [HTTP](server) and asks for a lease. The first work of a job is its **pilot**:
-//!    first gather radii and the counted cost of a pass. From that follows the [plan](plan), how passes are cut into shards
+//!    [`rules`]. It traces no path of a job; only for [layers](CoordinatorHandle::picture_with_layers) it looks at first
+//!    surfaces, and where the method is `auto` it lets methods try a small picture ([`coordinator::request`]).
+//! 2. A [worker](worker) registers over [HTTP](http) and asks for a lease. The first work of a job is its **pilot**:
+//!    first gather radii and the counted cost of a pass. From that follows the [plan](rules::plan), how passes are cut into shards
 //!    and epochs. It depends on the scene and the job alone, never on workers or time.
-//! 3. The next [lease] names a shard: some consecutive passes of a region of pixels. The worker fetches what it has not
+//! 3. The next [lease](rules::lease) names a shard: some consecutive passes of a region of pixels. The worker fetches what it has not
 //!    got yet, the scene by its hash and the radius field of the shard's epoch, and traces. Meanwhile it fetches the next
 //!    lease, sends the last tally, and says by heartbeats that it lives.
 //! 4. The tally travels as compressed byte planes ([`wire`]). The coordinator decodes and checks it without holding a
 //!    lock. A tally that does not fit its shard is refused; a repeated one changes nothing; one whose lease expired is
-//!    fenced, for someone else has the shard now. A worker that fails often is [set aside](roster) for a while.
+//!    fenced, for someone else has the shard now. A worker that fails often is [set aside](rules::roster) for a while.
 //! 5. Accepted tallies are [merged](merging) strictly in the plan's order; early ones wait. After the last shard of an
 //!    epoch the new radii become the field of the epoch after the next, so nobody waits at a barrier.
 //! 6. Watchers of the job see its status change; the picture can be read at any time. When the last shard is merged,
@@ -27,26 +27,19 @@
 //! | module | what it decides |
 //! |---|---|
 //! | [`plan`] | how a job is cut |
-//! | [`schedule`], [`progress`], [`lease`], [`roster`] | who traces what: a state machine without clock, locks or I/O |
+//! | [`rules`], [`progress`], [`lease`], [`roster`] | who traces what: a state machine without clock, locks or I/O |
 //! | [`merging`] | order of merges, radius fields |
 //! | [`coordinator`], [`request`], [`server`] | the same behind locks, HTTP and a clock |
 //! | `layers` | pictures with further channels |
 //! | [`worker`] | the other end |
 
 pub mod coordinator;
-mod delivery;
 pub mod error;
+pub mod http;
+pub mod ids;
 pub mod job;
-mod layers;
-pub mod lease;
 pub mod merging;
-pub mod plan;
-pub mod progress;
-pub mod request;
-pub mod roster;
-pub mod schedule;
-pub mod server;
-mod status;
+pub mod rules;
 pub mod wire;
 pub mod worker;
 

@@ -3,8 +3,8 @@
 use super::WireError;
 use super::messages;
 use crate::estimate::{Region, Shard};
-use crate::farm::lease::Work;
-use crate::farm::plan::PlannedShard;
+use crate::farm::rules::lease::Work;
+use crate::farm::rules::plan::PlannedShard;
 use crate::method::CheckedMethod;
 
 /// What a worker must know of a job.

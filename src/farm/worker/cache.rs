@@ -9,7 +9,7 @@ use super::pool::RenderPool;
 use super::session::TRANSFER_TIMEOUT;
 use crate::estimate::RadiusField;
 use crate::farm::coordinator::{lock, prepare_scene};
-use crate::farm::plan::PlannedShard;
+use crate::farm::rules::plan::PlannedShard;
 use crate::farm::wire::lease::JobDescription;
 use crate::farm::wire::{messages, radius};
 use crate::render::Renderer;

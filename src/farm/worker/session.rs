@@ -20,7 +20,7 @@ use super::client::{Backoff, CallError, Client};
 use super::pool::RenderPool;
 use crate::estimate::{RadiusField, Tally};
 use crate::farm::coordinator::lock;
-use crate::farm::plan::PlannedShard;
+use crate::farm::rules::plan::PlannedShard;
 use crate::farm::wire::lease::{LeasedWork, decode_lease};
 use crate::farm::wire::messages::result_request::Outcome;
 use crate::farm::wire::messages::{

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use super::coordinator::{JobRecord, State};
-use super::job::{EstimatedError, JobState, JobStatus, StopRule, WorkerStatus};
-use super::progress::MeasuredError;
-use super::roster::WorkerRecord;
-use super::wire::lease::JobDescription;
+use super::{JobRecord, State};
 use crate::estimate::ErrorEstimate;
 use crate::estimate::error::CONFIDENCE;
+use crate::farm::job::{EstimatedError, JobState, JobStatus, StopRule, WorkerStatus};
+use crate::farm::rules::progress::MeasuredError;
+use crate::farm::rules::roster::WorkerRecord;
+use crate::farm::wire::lease::JobDescription;
 
 impl State {
     /// How a job is doing at `now`.

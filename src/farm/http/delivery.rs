@@ -2,15 +2,15 @@
 
 use axum::http::StatusCode;
 
-use super::coordinator::{JobRecord, Shared, lock};
-use super::lease::{Lease, Work};
-use super::merging::Merging;
-use super::schedule::{Outcome, ResultAnswer};
-use super::server::Problem;
-use super::wire::messages::result_request::Outcome as Delivered;
-use super::wire::messages::{self, ResultRequest, ResultResponse};
-use super::wire::{WireError, result};
+use super::Problem;
 use crate::estimate::Tally;
+use crate::farm::coordinator::{JobRecord, Shared, lock};
+use crate::farm::merging::Merging;
+use crate::farm::rules::lease::{Lease, Work};
+use crate::farm::rules::schedule::{Outcome, ResultAnswer};
+use crate::farm::wire::messages::result_request::Outcome as Delivered;
+use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
+use crate::farm::wire::{WireError, result};
 use crate::render::Pilot;
 
 /// A result that fits its work.

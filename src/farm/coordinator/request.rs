@@ -2,9 +2,9 @@
 
 use serde_json::{Map, Value};
 
-use super::error::FarmError;
-use super::job::{JobRequest, StopRule};
 use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, RunError, Survey, survey};
+use crate::farm::error::FarmError;
+use crate::farm::job::{JobRequest, StopRule};
 use crate::method::{self, CheckedMethod, MethodChoice, MethodError, SceneTraits};
 use crate::scene::{Integrator, Scene};
 

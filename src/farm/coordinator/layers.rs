@@ -3,11 +3,11 @@
 
 use std::sync::{Arc, Mutex};
 
-use super::coordinator::{CoordinatorHandle, blocking, lock, prepare_scene};
-use super::error::FarmError;
-use super::job::JobStatus;
+use super::{CoordinatorHandle, blocking, lock, prepare_scene};
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::estimate::{Estimate, Picture};
+use crate::farm::error::FarmError;
+use crate::farm::job::JobStatus;
 use crate::render::first_surface::{FirstSurface, first_surface_layers};
 
 impl CoordinatorHandle {

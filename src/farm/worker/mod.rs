@@ -12,8 +12,8 @@ use prost::Message;
 use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
 
-use super::wire;
-use super::wire::messages::{RegisterRequest, RegisterResponse};
+use crate::farm::wire;
+use crate::farm::wire::messages::{RegisterRequest, RegisterResponse};
 use client::{Backoff, CallError, Client};
 use pool::RenderPool;
 use session::{MESSAGE_TIMEOUT, Session, SessionEnd};

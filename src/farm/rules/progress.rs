@@ -3,11 +3,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
-use super::job::{JobState, StopRule};
 use super::lease::{Work, WorkIndex};
 use super::plan::Plan;
 use crate::estimate::ErrorEstimate;
 use crate::evaluation::chart::JobPoint;
+use crate::farm::job::{JobState, StopRule};
 
 /// Leases of the same work that may end with a worker's error message before the job fails.
 const FAILURES_PER_WORK: usize = 3;

@@ -1,8 +1,12 @@
-//! The coordinator: the [schedule](super::schedule) with a clock, locks and threads round it.
+//! The coordinator: the [schedule](crate::farm::rules::schedule) with a clock, locks and threads round it.
 //!
 //! Callers hold a [`CoordinatorHandle`]. One mutex guards the schedule and is only held for bookkeeping. Each job has a
-//! second one for its [merge state](super::merging), held by blocking threads that decode and add. Where both are
+//! second one for its [merge state](crate::farm::merging), held by blocking threads that decode and add. Where both are
 //! needed the merge state is locked first.
+
+mod layers;
+pub mod request;
+mod status;
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -11,15 +15,15 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
-use super::error::FarmError;
-use super::job::{JobRequest, JobStatus, StopRule, WorkerStatus};
-use super::layers::SeenFirst;
-use super::merging::Merging;
-use super::request;
-use super::schedule::Schedule;
-use super::wire::lease::JobDescription;
+use crate::farm::error::FarmError;
+use crate::farm::job::{JobRequest, JobStatus, StopRule, WorkerStatus};
+use crate::farm::merging::Merging;
+use layers::SeenFirst;
+
 use crate::estimate::Picture;
 use crate::evaluation::chart::JobPoint;
+use crate::farm::rules::schedule::Schedule;
+use crate::farm::wire::lease::JobDescription;
 use crate::method::SceneTraits;
 use crate::render::first_surface::FirstSurface;
 use crate::scene::error::SceneError;

@@ -11,6 +11,8 @@
 //!
 //! A worker that the coordinator does not know (any more) gets 410 and registers again. Problems are plain text.
 
+mod delivery;
+
 use std::time::Duration;
 
 use axum::Router;
@@ -22,15 +24,15 @@ use axum::routing::{get, post};
 use prost::Message;
 use tokio::time::{Instant, timeout_at};
 
-use super::coordinator::{CoordinatorHandle, lock};
-use super::delivery;
-use super::error::FarmError;
-use super::schedule::LeaseAnswer;
-use super::wire::messages::{
+use crate::farm::coordinator::{CoordinatorHandle, lock};
+
+use crate::farm::error::FarmError;
+use crate::farm::rules::schedule::LeaseAnswer;
+use crate::farm::wire::messages::{
     HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse,
     ReleaseRequest, ResultRequest,
 };
-use super::wire::{self, WireError};
+use crate::farm::wire::{self, WireError};
 
 /// How long a worker waits for work before it is told that there is none.
 const LEASE_WAIT: Duration = Duration::from_secs(10);
@@ -209,7 +211,7 @@ async fn radius_field(
     if headers.get(header::IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes()) {
         return Ok(StatusCode::NOT_MODIFIED.into_response());
     }
-    let message = super::coordinator::blocking(move || {
+    let message = crate::farm::coordinator::blocking(move || {
         Ok(lock(&job.merging).as_ref().and_then(|merging| merging.field_message(epoch, region)))
     });
     let missing = || Problem::new(StatusCode::NOT_FOUND, format!("no radii of epoch {epoch}, region {region}"));

@@ -1,16 +1,16 @@
 //! Who traces what: a state machine without clock, locks, tasks or I/O.
 //!
 //! Events come in as method calls with the time since start; answers and [`Schedule::take_changed`] go out. The
-//! [coordinator](super::coordinator) is the adapter round it. So thousands of fault schedules run in a test in seconds.
+//! [coordinator](crate::farm::coordinator) is the adapter round it. So thousands of fault schedules run in a test in seconds.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::time::Duration;
 
-use super::job::{JobState, StopRule};
 use super::lease::{Closed, Lease, LeaseTable, Work};
 use super::plan::Plan;
 use super::progress::{JobProgress, MergedTotals};
 use super::roster::Roster;
+use crate::farm::job::{JobState, StopRule};
 
 /// A worker is forgotten after being silent for this many lease durations.
 const SILENT_LEASES: u32 = 4;
