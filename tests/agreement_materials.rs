@@ -20,7 +20,7 @@ fn material(text: &str) -> Material {
     let body = format!(
         "<sensor type='perspective'/><shape type='cube'>{ahead}{text}</shape><shape type='sphere'/><emitter type='point'/>"
     );
-    scene_text::prepare(&body, &[]).unwrap_or_else(|error| panic!("{text}: {error}")).materials.swap_remove(0)
+    scene_text::prepare(&body, &[]).unwrap_or_else(|error| panic!("{text}: {error}")).materials[0].clone()
 }
 
 #[test]

@@ -8,12 +8,10 @@ use std::time::Duration;
 use exr_channels::exr_channels;
 use photonfarm::api;
 use photonfarm::estimate::picture_files::{LAYERS, decode_exr};
-use photonfarm::farm::worker::{WorkerOptions, run_worker};
-use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions};
+use photonfarm::farm::{CoordinatorOptions, Limits, LocalFarm};
 use photonfarm::method::METHODS;
 use reqwest::header;
 use serde_json::{Value, json};
-use tokio_util::sync::{CancellationToken, DropGuard};
 
 const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
 const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth";
@@ -22,23 +20,21 @@ const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth";
 struct Farm {
     base: String,
     http: reqwest::Client,
-    _shutdown: DropGuard,
+    _local: LocalFarm,
 }
 
 impl Farm {
     async fn start(workers: usize) -> Self {
-        let shutdown = CancellationToken::new();
-        let coordinator = CoordinatorHandle::start(CoordinatorOptions::default());
-        let application = api::application(coordinator, shutdown.clone());
-        let listener = tokio::net::TcpListener::bind("127.0.0.1:0").await.expect("a free port");
-        let base = format!("http://{}", listener.local_addr().expect("an address"));
-        tokio::spawn(async move { axum::serve(listener, application).await });
-        for index in 0..workers {
-            let options = WorkerOptions { coordinator: base.clone(), name: format!("worker-{index}"), threads: 1 };
-            tokio::spawn(run_worker(options, shutdown.clone()));
-        }
+        Self::start_with(workers, Limits::default()).await
+    }
+
+    async fn start_with(workers: usize, limits: Limits) -> Self {
+        let routes = |coordinator, shutdown| api::router(api::ApiState { coordinator, shutdown });
+        let options = CoordinatorOptions { limits, ..CoordinatorOptions::default() };
+        let local =
+            LocalFarm::builder().workers(workers).options(options).routes(routes).start().await.expect("a farm");
         let http = reqwest::Client::builder().no_proxy().timeout(Duration::from_secs(120)).build().expect("a client");
-        Self { base, http, _shutdown: shutdown.drop_guard() }
+        Self { base: local.url(), http, _local: local }
     }
 
     async fn get(&self, path: &str) -> reqwest::Response {
@@ -128,14 +124,18 @@ async fn a_scene_becomes_a_picture() {
     assert!(chart.starts_with("<svg") && chart.contains("after 4 passes"), "{chart}");
 }
 
-/// A method that trials chose is written into the job, with the reason.
+/// The answer to `auto` comes before any trial; workers try, and the method that they found is written into the job, with the reason.
 #[tokio::test(flavor = "multi_thread")]
-async fn auto_names_the_method_that_it_chose() {
+async fn auto_is_chosen_by_workers_and_written_into_the_job() {
     let farm = Farm::start(1).await;
     let scene = serde_json::from_str::<serde_json::Value>(SMALL_SCENE).expect("JSON");
     let job = json!({ "scene_inline": scene, "method": "auto", "stop": { "passes": 2 } });
     let (status, job) = answer(farm.post("/v1/jobs", job.to_string()).await).await;
-    assert_eq!(status, 202, "{job}");
+    assert_eq!((status, &job["method"], &job["state"]), (202, &json!("auto"), &json!("queued")), "{job}");
+    let events = farm.events(job["id"].as_str().expect("an id")).await;
+    assert!(events.iter().any(|event| event["state"] == "choosing"), "{events:?}");
+    let job = events.last().expect("an event");
+    assert_eq!(job["state"], "done");
     let chosen = job["method"].as_str().expect("a name");
     assert!(METHODS.iter().any(|method| method.name == chosen), "{chosen}");
     let notices = job["notices"].as_array().expect("a list");
@@ -144,6 +144,24 @@ async fn auto_names_the_method_that_it_chose() {
     let wrong = json!({ "scene_inline": scene, "method": "auto", "parameters": { "no_such": 1 } });
     let (status, problem) = answer(farm.post("/v1/jobs", wrong.to_string()).await).await;
     assert!(status == 422 && problem.to_string().contains("no_such"), "{problem}");
+}
+
+/// The case of an error that nobody reaches: the trials are bounded, and end when the job is cancelled.
+#[tokio::test(flavor = "multi_thread")]
+async fn trials_end_when_their_job_is_cancelled() {
+    let farm = Farm::start(1).await;
+    let job = json!({ "scene_inline": SCENE, "method": "auto", "stop": { "error": 1e-12 } });
+    let (status, job) = answer(farm.post("/v1/jobs", job.to_string()).await).await;
+    assert_eq!(status, 202, "{job}");
+    let path = job["links"]["self"].as_str().expect("an address").to_owned();
+    while answer(farm.get(&path).await).await.1["state"] != "choosing" {
+        tokio::time::sleep(Duration::from_millis(20)).await;
+    }
+    let (_, cancelled) = answer(farm.post(&format!("{path}/cancel"), "").await).await;
+    assert_eq!(cancelled["state"], "cancelled");
+    // The only worker is free for others as soon as it hears of it, by its next heartbeat.
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    assert_eq!(farm.events(&id).await.last().expect("an event")["state"], "done");
 }
 
 const SMALL_SCENE: &str = r#"{"type": "scene",
@@ -299,7 +317,7 @@ async fn bad_jobs_are_refused_with_place_and_remedy() {
     problem(job(json!({ "stop": { "seconds": -1 } })).await, 422, "bad-request").await;
     problem(job(json!({ "stop": { "passes": 0 } })).await, 422, "bad-request").await;
     let request = farm.http.post(format!("{}/v1/jobs", farm.base)).body("{}").send().await.expect("an answer");
-    problem(request, 415, "wrong-content-type").await;
+    problem(request, 415, "unsupported-media-type").await;
     let (_, list) = answer(farm.get("/v1/jobs").await).await;
     assert_eq!(list["jobs"], json!([]), "no refused job is kept");
 }
@@ -313,7 +331,7 @@ async fn bad_scenes_are_refused_with_place_and_remedy() {
     assert!(refused["place"].as_str().is_some_and(|place| place.contains(':')), "{refused}");
     problem(farm.post("/v1/scenes", "").await, 422, "bad-scene").await;
     problem(farm.post("/v1/scenes", vec![0xff; 100]).await, 422, "bad-scene").await;
-    let too_long = "x".repeat(api::MAX_JOB_BYTES + 1);
+    let too_long = "x".repeat(Limits::default().job_bytes as usize + 1);
     problem(farm.post("/v1/jobs", too_long).await, 413, "too-large").await;
 }
 

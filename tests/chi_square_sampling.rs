@@ -132,7 +132,7 @@ fn analytic_frames_are_orthonormal() {
 
 fn material(text: &str) -> Material {
     let ahead = "<transform name='to_world'><translate z='5'/></transform>";
-    scene(&format!("<shape type='cube'>{ahead}{text}</shape><emitter type='point'/>")).materials.swap_remove(0)
+    scene(&format!("<shape type='cube'>{ahead}{text}</shape><emitter type='point'/>")).materials[0].clone()
 }
 
 fn view(outgoing: Vec3, mode: TransportMode) -> View {

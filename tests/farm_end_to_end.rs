@@ -1,22 +1,28 @@
 //! Whole farms in this process, talking real HTTP on loopback ports: whatever the number of workers and threads and
 //! whatever goes wrong, a job's picture has the same bits.
 
-use std::net::SocketAddr;
+#[path = "support/fault_proxy.rs"]
+mod fault_proxy;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use axum::Router;
+use fault_proxy::FaultProxy;
 use photonfarm::estimate::picture_files::LAYERS;
 use photonfarm::estimate::{Shard, Tally};
+use photonfarm::farm::ids::JobId;
 use photonfarm::farm::job::{JobRequest, JobState, JobStatus, StopRule};
+use photonfarm::farm::prepared_scenes::PreparedScenes;
 use photonfarm::farm::wire::BUILD;
-use photonfarm::farm::wire::lease::decode_lease;
+use photonfarm::farm::wire::lease::{LeasedWork, decode_lease};
 use photonfarm::farm::wire::messages::result_request::Outcome;
 use photonfarm::farm::wire::messages::{
     self, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ResultRequest,
 };
 use photonfarm::farm::wire::result::encode_tally;
 use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
-use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, http};
+use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, LocalFarm};
 use photonfarm::method::METHODS;
 use prost::Message;
 use serde_json::json;
@@ -46,32 +52,31 @@ const SCENE: &str = r#"<scene version="3.0.0">
   </shape>
 </scene>"#;
 
-/// A coordinator behind a real port.
+/// A coordinator behind a real port; workers come and go.
 struct Farm {
     handle: CoordinatorHandle,
-    address: SocketAddr,
-    server: JoinHandle<()>,
+    local: LocalFarm,
 }
 
 impl Farm {
-    async fn start(lease: Duration) -> Self {
-        let options = CoordinatorOptions { lease_duration: lease, ..CoordinatorOptions::default() };
-        let handle = CoordinatorHandle::start(options);
-        let (address, server) = serve(&handle, "127.0.0.1:0".parse().expect("an address")).await;
-        Self { handle, address, server }
+    async fn start(lease_duration: Duration) -> Self {
+        Self::with(CoordinatorOptions { lease_duration, ..CoordinatorOptions::default() }).await
+    }
+
+    async fn with(options: CoordinatorOptions) -> Self {
+        let local = LocalFarm::builder().workers(0).options(options).start().await.expect("a free port");
+        Self { handle: local.client().clone(), local }
     }
 
     fn url(&self) -> String {
-        format!("http://{}", self.address)
+        self.local.url()
     }
 
     fn worker(&self, name: &str, threads: usize) -> (CancellationToken, JoinHandle<Result<(), WorkerError>>) {
-        let stop = CancellationToken::new();
-        let options = WorkerOptions { coordinator: self.url(), name: name.to_owned(), threads };
-        (stop.clone(), tokio::spawn(run_worker(options, stop)))
+        start_worker(self.url(), name, threads)
     }
 
-    async fn submit(&self, rule: &str, stop: StopRule) -> String {
+    async fn submit(&self, rule: &str, stop: StopRule) -> JobId {
         let parameters = [("radius_rule".to_owned(), json!(rule)), ("photons_per_pass".to_owned(), json!(3000))];
         self.submit_method(None, serde_json::Map::from_iter(parameters), stop).await
     }
@@ -81,22 +86,21 @@ impl Farm {
         method: Option<&str>,
         parameters: serde_json::Map<String, serde_json::Value>,
         stop: StopRule,
-    ) -> String {
+    ) -> JobId {
         let scene = self.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
-        let request = JobRequest { scene, method: method.map(str::to_owned), parameters, stop, seed: 7 };
+        let method = method.map(str::to_owned);
+        let request = JobRequest { method, parameters, stop, seed: 7, ..JobRequest::of_scene(scene) };
         self.handle.submit(request).await.expect("a good request")
     }
 
-    async fn end(&self, id: &str) -> JobStatus {
+    async fn end(&self, id: JobId) -> JobStatus {
         let mut status = self.handle.watch(id).expect("a job");
-        let ended =
-            |status: &JobStatus| matches!(status.state, JobState::Done | JobState::Failed | JobState::Cancelled);
-        let ended = timeout(Duration::from_secs(60), status.wait_for(ended)).await.expect("jobs end");
-        ended.expect("the coordinator lives").clone()
+        let ended = timeout(Duration::from_secs(60), status.wait_for(|status| status.state.is_final()));
+        ended.await.expect("jobs end").expect("the coordinator lives").clone()
     }
 
     /// The bits of a job's picture and layers, once it is done.
-    async fn bits(&self, id: &str) -> Vec<u32> {
+    async fn bits(&self, id: JobId) -> Vec<u32> {
         let status = self.end(id).await;
         assert_eq!(status.state, JobState::Done, "{status:?}");
         let layers = LAYERS.map(|row| row.layer);
@@ -106,11 +110,14 @@ impl Farm {
     }
 }
 
-async fn serve(handle: &CoordinatorHandle, address: SocketAddr) -> (SocketAddr, JoinHandle<()>) {
-    let listener = tokio::net::TcpListener::bind(address).await.expect("a free port");
-    let address = listener.local_addr().expect("bound");
-    let app = Router::new().nest("/farm/v1", http::router(handle.clone()));
-    (address, tokio::spawn(async move { axum::serve(listener, app).await.expect("serving") }))
+fn start_worker(
+    coordinator: String,
+    name: &str,
+    threads: usize,
+) -> (CancellationToken, JoinHandle<Result<(), WorkerError>>) {
+    let stop = CancellationToken::new();
+    let options = WorkerOptions { coordinator, name: name.to_owned(), threads, scenes: PreparedScenes::new(1) };
+    (stop.clone(), tokio::spawn(run_worker(options, stop)))
 }
 
 fn passes(passes: u32) -> StopRule {
@@ -122,7 +129,7 @@ async fn reference(rule: &str, count: u32) -> Vec<u32> {
     let farm = Farm::start(Duration::from_secs(15)).await;
     let _worker = farm.worker("alone", 1);
     let id = farm.submit(rule, passes(count)).await;
-    farm.bits(&id).await
+    farm.bits(id).await
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -133,7 +140,7 @@ async fn workers_and_threads_do_not_change_the_picture() {
             let farm = Farm::start(Duration::from_secs(15)).await;
             let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), threads)).collect();
             let id = farm.submit(rule, passes(75)).await;
-            assert!(farm.bits(&id).await == expected, "{rule}, {workers} workers, {threads} threads");
+            assert!(farm.bits(id).await == expected, "{rule}, {workers} workers, {threads} threads");
         }
     }
 }
@@ -146,7 +153,7 @@ async fn every_method_has_the_same_bits_from_one_worker_and_from_four() {
             let farm = Farm::start(Duration::from_secs(15)).await;
             let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), threads)).collect();
             let id = farm.submit_method(Some(method.name), serde_json::Map::new(), passes(20)).await;
-            pictures.push(farm.bits(&id).await);
+            pictures.push(farm.bits(id).await);
         }
         assert!(pictures.windows(2).all(|pair| pair[0] == pair[1]), "{}", method.name);
     }
@@ -162,20 +169,21 @@ async fn killed_workers_do_not_change_the_picture() {
         worker.abort();
     }
     let _worker = farm.worker("survivor", 1);
-    assert!(farm.bits(&id).await == reference("statistics", 75).await);
+    assert!(farm.bits(id).await == reference("statistics", 75).await);
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn an_outage_of_the_coordinator_does_not_change_the_picture() {
     let farm = Farm::start(Duration::from_secs(5)).await;
     let id = farm.submit("statistics", passes(300)).await;
-    let _workers = [farm.worker("one", 1), farm.worker("two", 1)];
-    let mut status = farm.handle.watch(&id).expect("a job");
+    let proxy = FaultProxy::start(farm.local.address()).await;
+    let _workers = [start_worker(proxy.url(), "one", 1), start_worker(proxy.url(), "two", 1)];
+    let mut status = farm.handle.watch(id).expect("a job");
     status.wait_for(|status| status.passes_done > 3).await.expect("the coordinator lives");
-    farm.server.abort();
+    proxy.cut(true);
     sleep(Duration::from_millis(700)).await;
-    let _server = serve(&farm.handle, farm.address).await;
-    assert!(farm.bits(&id).await == reference("statistics", 300).await);
+    proxy.cut(false);
+    assert!(farm.bits(id).await == reference("statistics", 300).await);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -183,14 +191,14 @@ async fn a_worker_that_is_asked_to_stop_gives_its_work_back() {
     let farm = Farm::start(Duration::from_secs(600)).await;
     let id = farm.submit("statistics", passes(75)).await;
     let (stop, worker) = farm.worker("leaving", 1);
-    let mut status = farm.handle.watch(&id).expect("a job");
+    let mut status = farm.handle.watch(id).expect("a job");
     status.wait_for(|status| status.passes_done > 1).await.expect("the coordinator lives");
     stop.cancel();
     worker.await.expect("no panic").expect("a clean end");
     assert_eq!(farm.handle.workers(), []);
     // With leases of ten minutes, only work that was given back can be done in time.
     let _worker = farm.worker("successor", 1);
-    assert!(farm.bits(&id).await == reference("statistics", 75).await);
+    assert!(farm.bits(id).await == reference("statistics", 75).await);
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -198,10 +206,10 @@ async fn a_job_stopped_by_seconds_has_the_bits_of_a_job_of_as_many_passes() {
     let farm = Farm::start(Duration::from_secs(15)).await;
     let _worker = farm.worker("alone", 1);
     let id = farm.submit("statistics", StopRule { passes: None, seconds: Some(0.8), error: None }).await;
-    let stopped = farm.bits(&id).await;
-    let done = farm.handle.job(&id).expect("a job").passes_done;
+    let stopped = farm.bits(id).await;
+    let done = farm.handle.job(id).expect("a job").passes_done;
     let id = farm.submit("statistics", passes(done)).await;
-    assert!(farm.bits(&id).await == stopped, "{done} passes");
+    assert!(farm.bits(id).await == stopped, "{done} passes");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -212,8 +220,8 @@ async fn a_job_stopped_by_its_error_has_the_same_bits_from_any_farm() {
         let farm = Farm::start(Duration::from_secs(15)).await;
         let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
         let id = farm.submit("statistics", StopRule { passes: None, seconds: None, error: Some(WANTED) }).await;
-        let bits = farm.bits(&id).await;
-        let status = farm.handle.job(&id).expect("a job");
+        let bits = farm.bits(id).await;
+        let status = farm.handle.job(id).expect("a job");
         let error = status.estimated_error.expect("an error estimate");
         assert!(error.bound <= WANTED && error.relmse < error.bound, "{error:?}");
         assert_eq!(error.passes, status.passes_done, "nothing is merged after the end");
@@ -226,15 +234,15 @@ async fn a_job_stopped_by_its_error_has_the_same_bits_from_any_farm() {
 async fn a_cancelled_job_keeps_its_picture_and_frees_the_farm() {
     let farm = Farm::start(Duration::from_secs(15)).await;
     let id = farm.submit("statistics", passes(1_000_000)).await;
-    assert!(matches!(farm.handle.picture(&id).await, Err(FarmError::NoPictureYet(_))));
+    assert!(matches!(farm.handle.picture(id).await, Err(FarmError::NoPictureYet(_))));
     let _worker = farm.worker("alone", 1);
-    let mut status = farm.handle.watch(&id).expect("a job");
+    let mut status = farm.handle.watch(id).expect("a job");
     status.wait_for(|status| status.passes_done > 1).await.expect("the coordinator lives");
-    assert_eq!(farm.handle.cancel(&id).expect("a job").state, JobState::Cancelled);
-    assert!(farm.handle.picture(&id).await.is_ok());
+    assert_eq!(farm.handle.cancel(id).await.expect("a job").state, JobState::Cancelled);
+    assert!(farm.handle.picture(id).await.is_ok());
     let next = farm.submit("statistics", passes(2)).await;
-    assert_eq!(farm.end(&next).await.state, JobState::Done);
-    assert_eq!(farm.end(&id).await.state, JobState::Cancelled);
+    assert_eq!(farm.end(next).await.state, JobState::Done);
+    assert_eq!(farm.end(id).await.state, JobState::Cancelled);
 }
 
 /// A worker made by hand, to send what a real one would not.
@@ -274,7 +282,10 @@ impl Hand {
 
 /// The shard of a lease, when it is not the pilot's.
 fn shard(lease: &messages::Lease) -> Option<Shard> {
-    decode_lease(lease.clone()).expect("a good lease").work.map(|planned| planned.shard)
+    match decode_lease(lease.clone()).expect("a good lease").work {
+        LeasedWork::Shard(terms) => Some(terms.planned.shard),
+        _ => None,
+    }
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -288,7 +299,7 @@ async fn a_hostile_worker_disturbs_nobody() {
     assert_eq!(hand.post("result", vec![0xff; 50]).await.0, 400);
     assert_eq!(hand.deliver(&pilot, None).await, 422);
     let (stop, worker) = farm.worker("honest", 1);
-    let mut status = farm.handle.watch(&id).expect("a job");
+    let mut status = farm.handle.watch(id).expect("a job");
     status.wait_for(|status| status.passes_done > 0).await.expect("the coordinator lives");
     stop.cancel();
     worker.await.expect("no panic").expect("a clean end");
@@ -304,19 +315,18 @@ async fn a_hostile_worker_disturbs_nobody() {
     assert_eq!(hand.deliver(&lease, wrong).await, 409, "the lease is gone");
 
     let _worker = farm.worker("honest again", 1);
-    assert!(farm.bits(&id).await == reference("statistics", 75).await);
+    assert!(farm.bits(id).await == reference("statistics", 75).await);
 }
 
 #[tokio::test(flavor = "multi_thread")]
 async fn requests_that_cannot_be_met_say_why() {
     let farm = Farm::start(Duration::from_secs(15)).await;
-    let stop = WorkerOptions { coordinator: "localhost:80".into(), name: "lost".into(), threads: 1 };
-    assert!(matches!(run_worker(stop, CancellationToken::new()).await, Err(WorkerError::BadAddress { .. })));
+    let (_, lost) = start_worker("localhost:80".into(), "lost", 1);
+    assert!(matches!(lost.await.expect("no panic"), Err(WorkerError::BadAddress { .. })));
     assert!(matches!(farm.handle.add_scene(b"<scene".to_vec()).await, Err(FarmError::BadScene(_))));
-    assert!(matches!(farm.handle.job("job-1"), Err(FarmError::UnknownJob(_))));
+    assert!(matches!(farm.handle.job(JobId::new(1)), Err(FarmError::UnknownJob(_))));
     let scene = farm.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
-    let parameters = serde_json::Map::new();
-    let good = JobRequest { scene, method: None, parameters, stop: StopRule::default(), seed: 0 };
+    let good = JobRequest::of_scene(scene);
     let unknown = JobRequest { scene: "00".into(), ..good.clone() };
     assert!(matches!(farm.handle.submit(unknown).await, Err(FarmError::UnknownScene(_))));
     let method = JobRequest { method: Some("magic".into()), ..good.clone() };
@@ -327,4 +337,101 @@ async fn requests_that_cannot_be_met_say_why() {
     }
     farm.handle.shutdown().await;
     assert!(matches!(farm.handle.submit(good).await, Err(FarmError::ShuttingDown)));
+}
+
+/// The case of a fault inside the merge: the job ends and says why, and the farm goes on.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_panic_inside_a_merge_fails_the_job_and_nothing_else() {
+    let is_armed = Arc::new(AtomicBool::new(true));
+    let armed = is_armed.clone();
+    let mut options = CoordinatorOptions::default();
+    options.faults.before_merge = Some(Arc::new(move |_, shard| {
+        assert!(shard != 3 || !armed.swap(false, Ordering::Relaxed), "an injected fault");
+    }));
+    let farm = Farm::with(options).await;
+    let _worker = farm.worker("alone", 1);
+    let id = farm.submit("statistics", passes(75)).await;
+    let status = farm.end(id).await;
+    assert_eq!(status.state, JobState::Failed);
+    assert!(status.error.is_some_and(|error| error.contains("an injected fault")));
+    let id = farm.submit("statistics", passes(75)).await;
+    assert!(farm.bits(id).await == reference("statistics", 75).await);
+    assert!(!is_armed.load(Ordering::Relaxed));
+}
+
+/// The case of a starved coordinator: what the answer to a cancellation says is what stays, although a merge was under way.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_cancelled_job_stays_as_the_answer_said() {
+    let mut options = CoordinatorOptions::default();
+    options.faults.before_merge = Some(Arc::new(|_, _| std::thread::sleep(Duration::from_millis(30))));
+    let farm = Farm::with(options).await;
+    let _workers: Vec<_> = (0..4).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
+    for _ in 0..4 {
+        let id = farm.submit("statistics", passes(1_000_000)).await;
+        let mut status = farm.handle.watch(id).expect("a job");
+        status.wait_for(|status| status.passes_done > 3).await.expect("the coordinator lives");
+        let said = farm.handle.cancel(id).await.expect("a job");
+        let picture = farm.handle.picture(id).await.expect("a picture").0;
+        sleep(Duration::from_millis(300)).await;
+        let now = farm.handle.job(id).expect("a job");
+        assert_eq!(
+            (now.state, now.passes_done, now.picture_version),
+            (JobState::Cancelled, said.passes_done, said.picture_version)
+        );
+        assert!(farm.handle.picture(id).await.expect("a picture").0 == picture);
+    }
+}
+
+/// The case of a short job beside a long one, with real workers.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_short_job_ends_beside_a_long_one() {
+    for workers in [1, 4] {
+        let farm = Farm::start(Duration::from_secs(15)).await;
+        let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
+        let long = farm.submit("statistics", passes(1_000_000)).await;
+        let short = farm.submit("statistics", passes(10)).await;
+        assert_eq!(farm.end(short).await.state, JobState::Done, "{workers} workers");
+        assert_eq!(farm.handle.job(long).expect("a job").state, JobState::Running);
+        farm.handle.cancel(long).await.expect("a job");
+    }
+}
+
+/// The case of a dead last worker: nobody invents a time left, and the dead are not listed as if they lived.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_without_workers_says_so() {
+    let farm = Farm::start(Duration::from_millis(600)).await;
+    let id = farm.submit("statistics", passes(1_000_000)).await;
+    let (_, worker) = farm.worker("mortal", 1);
+    let mut status = farm.handle.watch(id).expect("a job");
+    status.wait_for(|status| status.passes_done > 1).await.expect("the coordinator lives");
+    worker.abort();
+    let waits = status.wait_for(|status| status.waiting_for_workers_since.is_some());
+    let status = timeout(Duration::from_secs(10), waits).await.expect("it is noticed").expect("lives").clone();
+    assert_eq!((status.workers, status.seconds_left), (0, None));
+    let workers = farm.handle.workers();
+    assert!(workers.iter().all(|worker| worker.state == photonfarm::farm::job::WorkerState::Silent), "{workers:?}");
+    let (_, _worker) = farm.worker("successor", 1);
+    let mut status = farm.handle.watch(id).expect("a job");
+    status.wait_for(|status| status.waiting_for_workers_since.is_none()).await.expect("the coordinator lives");
+}
+
+/// A job that waits for memory, one job too many, and a picture that never fits.
+#[tokio::test(flavor = "multi_thread")]
+async fn limits_are_kept_and_told() {
+    let mut options = CoordinatorOptions::default();
+    options.limits.live_jobs = 2;
+    let farm = Farm::with(options.clone()).await;
+    let first = farm.submit("statistics", passes(1)).await;
+    farm.submit("statistics", passes(1)).await;
+    let scene = farm.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
+    let third = farm.handle.submit(JobRequest::of_scene(scene)).await;
+    assert!(matches!(third, Err(FarmError::Busy { .. })), "{third:?}");
+    farm.handle.cancel(first).await.expect("a job");
+    farm.submit("statistics", passes(1)).await;
+
+    options.limits.job_memory = 1000;
+    let farm = Farm::with(options).await;
+    let scene = farm.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
+    let large = farm.handle.submit(JobRequest::of_scene(scene)).await;
+    assert!(matches!(large, Err(FarmError::TooLarge { .. })), "{large:?}");
 }

@@ -1,15 +1,17 @@
-//! The schedule under thousands of fault schedules: whatever workers and the network do, every job ends, every shard is
-//! taken exactly once, and merges go strictly in order.
+//! The farm's rules alone, with a clock and a network that the tests hold: who gets which work, and what becomes of it when workers
+//! die, lie, come late or never.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use photonfarm::estimate::RadiusRule;
-use photonfarm::farm::job::{JobState, StopRule};
-use photonfarm::farm::rules::lease::{Lease, Work};
+use photonfarm::farm::ids::{JobId, LeaseId, WorkerId};
+use photonfarm::farm::job::{JobState, Priority, StopRule};
+use photonfarm::farm::rules::check::{CheckShare, Digest};
+use photonfarm::farm::rules::lease::{Lease, Work, WorkIndex};
 use photonfarm::farm::rules::plan::Plan;
-use photonfarm::farm::rules::progress::MergedTotals;
-use photonfarm::farm::rules::schedule::{LeaseAnswer, Outcome, ResultAnswer, Schedule};
+use photonfarm::farm::rules::terms::{MergedTotals, Terms};
+use photonfarm::farm::rules::{Answer, Effects, Event, Outcome, Rules, RulesOptions};
 
 const LEASE: Duration = Duration::from_secs(10);
 
@@ -42,6 +44,14 @@ fn passes(passes: u32) -> StopRule {
     StopRule { passes: Some(passes), seconds: None, error: None }
 }
 
+fn id(number: u64) -> JobId {
+    JobId::new(number)
+}
+
+fn terms(stop: StopRule) -> Terms {
+    Terms { stop, priority: Priority::DEFAULT, memory: 1, chooses_method: false, notices: Vec::new() }
+}
+
 /// What the adapter keeps of a job: the merge order, and a checksum that depends on it.
 #[derive(Default)]
 struct Merge {
@@ -71,33 +81,84 @@ impl Merge {
 }
 
 struct Farm {
-    schedule: Schedule,
+    rules: Rules,
     now: Duration,
-    merges: BTreeMap<u64, Merge>,
+    merges: BTreeMap<JobId, Merge>,
     rule: RadiusRule,
+    /// Nominal microseconds of a pass.
+    cost: u64,
+    last: Effects,
+    /// Nominal microseconds of all work granted.
+    granted: u64,
+    /// What workers of [`work_for`] hold.
+    held: BTreeMap<WorkerId, Vec<Lease>>,
 }
 
 impl Farm {
     fn new(rule: RadiusRule) -> Self {
-        Self { schedule: Schedule::new(LEASE, 1000), now: Duration::ZERO, merges: BTreeMap::new(), rule }
+        Self::with(
+            rule,
+            RulesOptions {
+                lease_duration: LEASE,
+                memory_budget: 100,
+                check_share: CheckShare::new(0.0),
+                first_id: 1000,
+            },
+        )
+    }
+
+    fn with(rule: RadiusRule, options: RulesOptions) -> Self {
+        let mut rules = Rules::new(options);
+        let last = rules.apply(Duration::ZERO, Event::TimePassed);
+        Self {
+            rules,
+            now: Duration::ZERO,
+            merges: BTreeMap::new(),
+            rule,
+            cost: 300_000,
+            last,
+            granted: 0,
+            held: BTreeMap::new(),
+        }
+    }
+
+    fn apply(&mut self, event: Event) -> Answer {
+        self.last = self.rules.apply(self.now, event);
+        self.last.answer.clone()
     }
 
     fn add_job(&mut self, number: u64, stop: StopRule) {
-        self.schedule.add_job(number, stop, Vec::new());
-        self.merges.insert(number, Merge::default());
+        self.add_job_with(number, terms(stop));
     }
 
-    fn pass_time(&mut self, step: f64) {
-        self.now += seconds(step);
-        self.schedule.tick(self.now);
+    fn add_job_with(&mut self, number: u64, terms: Terms) {
+        assert_eq!(self.apply(Event::JobAdded { job: id(number), terms }), Answer::Done);
+        self.merges.insert(id(number), Merge::default());
+    }
+
+    fn join(&mut self, name: &str) -> WorkerId {
+        let Answer::Joined(worker) = self.apply(Event::WorkerJoined { name: name.to_owned(), threads: 1 }) else {
+            panic!("everybody may join");
+        };
+        worker
+    }
+
+    /// In steps, as a coordinator's clock runs: one long step would look as if it had been stopped.
+    fn pass_time(&mut self, mut step: f64) {
+        while step > 0.0 {
+            self.now += seconds(step.min(0.5));
+            self.apply(Event::TimePassed);
+            step -= 0.5;
+        }
     }
 
     fn state(&self, job: u64) -> JobState {
-        self.schedule.job(job).expect("a job").state
+        self.rules.job(id(job)).expect("a job").state
     }
 
-    fn lease(&mut self, worker: u64) -> Option<Lease> {
-        let LeaseAnswer::Granted(lease) = self.schedule.lease(self.now, worker) else { return None };
+    fn lease(&mut self, worker: WorkerId) -> Option<Lease> {
+        let Answer::Granted(lease) = self.apply(Event::LeaseWanted { worker }) else { return None };
+        self.granted += self.rules.job(lease.job).map_or(0, |job| job.cost(&lease.work));
         if let Work::Shard(index, planned) = lease.work {
             let merge = &self.merges[&lease.job];
             let plan = merge.plan.as_ref().expect("shards come after the pilot");
@@ -107,9 +168,17 @@ impl Farm {
         Some(lease)
     }
 
-    fn deliver(&mut self, lease: &Lease, outcome: &Outcome) -> ResultAnswer {
-        let answer = self.schedule.result(self.now, lease.worker, lease.id, lease.fencing, outcome);
-        if let ResultAnswer::Take(taken) = answer {
+    fn heartbeat(&mut self, worker: WorkerId, leases: &[LeaseId]) -> Option<Vec<LeaseId>> {
+        match self.apply(Event::HeartbeatCame { worker, leases: leases.to_vec() }) {
+            Answer::Alive { cancelled, .. } => Some(cancelled),
+            _ => None,
+        }
+    }
+
+    fn deliver(&mut self, lease: &Lease, outcome: &Outcome) -> Answer {
+        let Lease { worker, id, fencing, .. } = *lease;
+        let answer = self.apply(Event::ResultCame { worker, lease: id, fencing, outcome: outcome.clone() });
+        if let Answer::Take(taken) = answer {
             assert_eq!(taken.id, lease.id);
             self.merge(&taken);
         }
@@ -121,24 +190,29 @@ impl Farm {
         match lease.work {
             Work::Pilot => {
                 assert!(merge.plan.is_none(), "two pilots");
-                let stop = self.schedule.job(lease.job).expect("a job").stop;
-                let plan = Plan::new(64, 64, 300_000, stop.passes, self.rule);
+                let stop = self.rules.job(lease.job).expect("a job").terms.stop;
+                let plan = Plan::new(64, 64, self.cost, stop.passes, self.rule);
                 merge.plan = Some(plan.clone());
-                self.schedule.pilot_done(self.now, lease.job, plan);
+                self.apply(Event::PilotDone { job: lease.job, plan });
             }
             Work::Shard(index, _) => {
                 merge.take(index);
                 let totals = merge.totals();
-                self.schedule.merged(self.now, lease.job, totals);
+                self.apply(Event::Merged { job: lease.job, totals });
             }
+            other => panic!("{other:?} is not merged"),
         }
     }
+}
+
+fn accepted() -> Outcome {
+    Outcome::Accepted(None)
 }
 
 /// A worker of a simulation: what it holds, and what is on its way.
 #[derive(Default)]
 struct SimulatedWorker {
-    id: u64,
+    id: WorkerId,
     held: Vec<(Lease, Duration)>,
     is_alive: bool,
 }
@@ -147,7 +221,7 @@ struct SimulatedWorker {
 fn step(farm: &mut Farm, worker: &mut SimulatedWorker, late: &mut Vec<Lease>, random: &mut Random) {
     if !worker.is_alive {
         if random.chance(5) {
-            worker.id = farm.schedule.register(farm.now, "reborn", 1);
+            worker.id = farm.join("reborn");
             worker.is_alive = true;
         }
         return;
@@ -156,20 +230,20 @@ fn step(farm: &mut Farm, worker: &mut SimulatedWorker, late: &mut Vec<Lease>, ra
         0 => {
             // It dies with what it holds; the coordinator hears of it or not. What it sent may still arrive.
             if random.chance(50) {
-                farm.schedule.worker_gone(worker.id);
+                farm.apply(Event::WorkerLeft { worker: worker.id });
             }
             late.extend(worker.held.drain(..).map(|(lease, _)| lease));
             worker.is_alive = false;
         }
         1 => {
-            let ids: Vec<u64> = worker.held.drain(..).map(|(lease, _)| lease.id).collect();
-            farm.schedule.release(farm.now, worker.id, &ids);
+            let leases = worker.held.drain(..).map(|(lease, _)| lease.id).collect();
+            farm.apply(Event::LeasesReleased { worker: worker.id, leases });
         }
         2..30 => {
-            let ids: Vec<u64> = worker.held.iter().map(|(lease, _)| lease.id).collect();
-            match farm.schedule.heartbeat(farm.now, worker.id, &ids) {
+            let ids: Vec<LeaseId> = worker.held.iter().map(|(lease, _)| lease.id).collect();
+            match farm.heartbeat(worker.id, &ids) {
                 None => worker.is_alive = false,
-                Some(answer) => worker.held.retain(|(lease, _)| !answer.cancelled.contains(&lease.id)),
+                Some(cancelled) => worker.held.retain(|(lease, _)| !cancelled.contains(&lease.id)),
             }
         }
         30..60 => {
@@ -192,15 +266,15 @@ fn deliver_ready(farm: &mut Farm, worker: &mut SimulatedWorker, late: &mut Vec<L
             0..5 => drop(farm.deliver(&lease, &Outcome::Refused("pixel 3 is not a number".into()))),
             5..15 => late.push(lease),
             15..25 => {
-                farm.deliver(&lease, &Outcome::Accepted);
+                farm.deliver(&lease, &accepted());
                 late.push(lease);
             }
-            _ => drop(farm.deliver(&lease, &Outcome::Accepted)),
+            _ => drop(farm.deliver(&lease, &accepted())),
         }
     }
 }
 
-fn simulate(seed: u64) -> BTreeMap<u64, u64> {
+fn simulate(seed: u64) -> BTreeMap<JobId, u64> {
     let mut random = Random(seed);
     let rule = if seed.is_multiple_of(2) { RadiusRule::Statistics } else { RadiusRule::Schedule };
     let mut farm = Farm::new(rule);
@@ -215,17 +289,17 @@ fn simulate(seed: u64) -> BTreeMap<u64, u64> {
         step(&mut farm, &mut workers[index], &mut late, &mut random);
         if !late.is_empty() && random.chance(20) {
             let lease = late.swap_remove(random.below(late.len() as u64) as usize);
-            farm.deliver(&lease, &Outcome::Accepted);
+            farm.deliver(&lease, &accepted());
         }
         if (1..=3).all(|job| farm.state(job) == JobState::Done) {
             let counts = farm.merges.values().map(|merge| merge.plan.as_ref().expect("done").shard_count());
             let merged = farm.merges.values().map(|merge| merge.order.len() as u64);
             assert!(merged.eq(counts), "seed {seed}: done means all shards");
-            assert_eq!(farm.schedule.leases().active().count(), 0, "seed {seed}: nothing is leased at the end");
+            assert_eq!(farm.rules.leases().active().count(), 0, "seed {seed}: nothing is leased at the end");
             return farm.merges.iter().map(|(job, merge)| (*job, merge.checksum)).collect();
         }
     }
-    panic!("seed {seed}: jobs did not end: {:?}", farm.schedule);
+    panic!("seed {seed}: jobs did not end: {:?}", farm.rules);
 }
 
 #[test]
@@ -237,14 +311,14 @@ fn every_job_ends_with_every_shard_merged_once_in_order() {
 }
 
 /// A farm with one worker and one job whose pilot is done.
-fn running_farm(stop: StopRule) -> (Farm, u64) {
+fn running_farm(stop: StopRule) -> (Farm, WorkerId) {
     let mut farm = Farm::new(RadiusRule::Statistics);
-    let worker = farm.schedule.register(farm.now, "one", 1);
+    let worker = farm.join("one");
     farm.add_job(1, stop);
     let pilot = farm.lease(worker).expect("the pilot");
     assert_eq!(pilot.work, Work::Pilot);
     farm.pass_time(0.5);
-    farm.deliver(&pilot, &Outcome::Accepted);
+    farm.deliver(&pilot, &accepted());
     (farm, worker)
 }
 
@@ -253,13 +327,13 @@ fn an_expired_lease_is_fenced_and_its_work_leased_again() {
     let (mut farm, worker) = running_farm(passes(8));
     let first = farm.lease(worker).expect("work");
     farm.pass_time(10.5);
-    let second_worker = farm.schedule.register(farm.now, "two", 1);
+    let second_worker = farm.join("two");
     let second = farm.lease(second_worker).expect("the expired shard");
     assert_eq!(second.work, first.work);
     assert!(second.fencing > first.fencing);
-    assert_eq!(farm.deliver(&first, &Outcome::Accepted), ResultAnswer::Fenced);
-    assert_eq!(farm.deliver(&second, &Outcome::Accepted), ResultAnswer::Take(second));
-    assert_eq!(farm.deliver(&second, &Outcome::Accepted), ResultAnswer::AlreadyMerged);
+    assert_eq!(farm.deliver(&first, &accepted()), Answer::Fenced);
+    assert_eq!(farm.deliver(&second, &accepted()), Answer::Take(second));
+    assert_eq!(farm.deliver(&second, &accepted()), Answer::AlreadyMerged);
 }
 
 #[test]
@@ -268,28 +342,28 @@ fn a_heartbeat_keeps_a_lease_and_reports_lost_ones() {
     let lease = farm.lease(worker).expect("work");
     for _ in 0..10 {
         farm.pass_time(5.0);
-        let answer = farm.schedule.heartbeat(farm.now, worker, &[lease.id, 7]).expect("a known worker");
-        assert_eq!(answer.cancelled, [7]);
+        let cancelled = farm.heartbeat(worker, &[lease.id, LeaseId::new(7)]).expect("a known worker");
+        assert_eq!(cancelled, [LeaseId::new(7)]);
     }
-    assert!(matches!(farm.deliver(&lease, &Outcome::Accepted), ResultAnswer::Take(taken) if taken.id == lease.id));
-    assert!(farm.schedule.heartbeat(farm.now, 1, &[]).is_none());
+    assert!(matches!(farm.deliver(&lease, &accepted()), Answer::Take(taken) if taken.id == lease.id));
+    assert!(farm.heartbeat(WorkerId::new(1), &[]).is_none());
 }
 
 #[test]
 fn a_straggler_is_issued_twice_and_the_first_result_wins() {
     let (mut farm, slow) = running_farm(passes(2));
-    let quick = farm.schedule.register(farm.now, "quick", 1);
+    let quick = farm.join("quick");
     let first = farm.lease(quick).expect("work");
     let stuck = farm.lease(slow).expect("work");
     farm.pass_time(1.0);
-    farm.deliver(&first, &Outcome::Accepted);
+    farm.deliver(&first, &accepted());
     assert_eq!(farm.lease(quick), None, "not overdue yet");
     farm.pass_time(2.0);
     let copy = farm.lease(quick).expect("the overdue shard");
     assert_eq!(copy.work, stuck.work);
-    farm.deliver(&copy, &Outcome::Accepted);
+    farm.deliver(&copy, &accepted());
     assert_eq!(farm.state(1), JobState::Done);
-    assert_eq!(farm.deliver(&stuck, &Outcome::Accepted), ResultAnswer::AlreadyMerged);
+    assert_eq!(farm.deliver(&stuck, &accepted()), Answer::AlreadyMerged);
 }
 
 #[test]
@@ -300,12 +374,12 @@ fn a_failing_worker_is_set_aside_for_a_growing_time() {
         while let Some(lease) = farm.lease(worker) {
             farm.deliver(&lease, &Outcome::Refused("wrong size".into()));
         }
-        let (_, record) = farm.schedule.roster().iter().next().expect("a worker");
+        let (_, record) = farm.rules.roster().iter().next().expect("a worker");
         assert!(record.set_aside(farm.now).is_some_and(|reason| reason.contains("wrong size")));
         let mut pause = 0;
-        while farm.schedule.roster().iter().any(|(_, worker)| worker.set_aside(farm.now).is_some()) {
+        while farm.rules.roster().iter().any(|(_, worker)| worker.set_aside(farm.now).is_some()) {
             farm.pass_time(1.0);
-            farm.schedule.heartbeat(farm.now, worker, &[]);
+            farm.heartbeat(worker, &[]);
             pause += 1;
         }
         pauses.push(pause);
@@ -320,13 +394,13 @@ fn a_job_whose_pilot_fails_three_times_fails_with_the_message() {
     farm.add_job(1, passes(8));
     farm.add_job(2, passes(1));
     for _ in 0..3 {
-        let worker = farm.schedule.register(farm.now, "w", 1);
+        let worker = farm.join("w");
         let pilot = farm.lease(worker).expect("the pilot");
-        let pilot = if pilot.job == 1 { pilot } else { farm.lease(worker).expect("the other pilot") };
+        let pilot = if pilot.job == id(1) { pilot } else { farm.lease(worker).expect("the other pilot") };
         farm.deliver(&pilot, &Outcome::Failed("no light".into()));
     }
     assert_eq!(farm.state(1), JobState::Failed);
-    assert_eq!(farm.schedule.job(1).expect("a job").error.as_deref(), Some("no light"));
+    assert_eq!(farm.rules.job(id(1)).expect("a job").error.as_deref(), Some("no light"));
     assert_ne!(farm.state(2), JobState::Failed, "other jobs are not disturbed");
 }
 
@@ -337,14 +411,14 @@ fn seconds_end_a_job_with_what_has_arrived() {
     for _ in 0..3 {
         leases.push(farm.lease(worker).expect("work"));
     }
-    farm.deliver(&leases[0], &Outcome::Accepted);
+    farm.deliver(&leases[0], &accepted());
     for _ in 0..4 {
         farm.pass_time(4.9);
-        farm.schedule.heartbeat(farm.now, worker, &[leases[1].id, leases[2].id]);
+        farm.heartbeat(worker, &[leases[1].id, leases[2].id]);
     }
     assert_eq!(farm.state(1), JobState::Done);
-    assert_eq!(farm.merges[&1].order, [0]);
-    assert_eq!(farm.deliver(&leases[1], &Outcome::Accepted), ResultAnswer::Fenced);
+    assert_eq!(farm.merges[&id(1)].order, [0]);
+    assert_eq!(farm.deliver(&leases[1], &accepted()), Answer::Fenced);
 }
 
 #[test]
@@ -353,10 +427,10 @@ fn a_job_without_a_pass_when_its_time_is_over_waits_for_one() {
     let leases = [farm.lease(worker).expect("work"), farm.lease(worker).expect("work")];
     farm.pass_time(2.0);
     assert_eq!(farm.state(1), JobState::Running);
-    assert_eq!(farm.schedule.job(1).expect("a job").notices.len(), 1);
-    let answer = farm.schedule.heartbeat(farm.now, worker, &leases.map(|lease| lease.id)).expect("known");
-    assert_eq!(answer.cancelled, [leases[1].id], "only the first shard is still wanted");
-    farm.deliver(&leases[0], &Outcome::Accepted);
+    assert_eq!(farm.rules.job(id(1)).expect("a job").terms.notices.len(), 1);
+    let cancelled = farm.heartbeat(worker, &leases.map(|lease| lease.id)).expect("known");
+    assert_eq!(cancelled, [leases[1].id], "only the first shard is still wanted");
+    farm.deliver(&leases[0], &accepted());
     assert_eq!(farm.state(1), JobState::Done);
 }
 
@@ -366,18 +440,18 @@ fn jobs_take_turns_and_a_cancelled_one_frees_its_workers() {
     farm.add_job(1, passes(500));
     farm.add_job(2, passes(500));
     let mut granted = [0, 0, 0];
-    let worker = farm.schedule.register(farm.now, "one", 1);
+    let worker = farm.join("one");
     for _ in 0..100 {
         let lease = farm.lease(worker).expect("work");
-        granted[lease.job as usize] += 1;
-        farm.deliver(&lease, &Outcome::Accepted);
+        granted[lease.job.number() as usize] += 1;
+        farm.deliver(&lease, &accepted());
     }
     assert_eq!(granted, [0, 50, 50]);
     let lease = farm.lease(worker).expect("work");
-    farm.schedule.cancel(farm.now, lease.job);
-    let answer = farm.schedule.heartbeat(farm.now, worker, &[lease.id]).expect("known");
-    assert_eq!(answer.cancelled, [lease.id]);
-    assert_eq!(farm.state(lease.job), JobState::Cancelled);
+    farm.apply(Event::JobCancelled { job: lease.job });
+    let cancelled = farm.heartbeat(worker, &[lease.id]).expect("known");
+    assert_eq!(cancelled, [lease.id]);
+    assert_eq!(farm.state(lease.job.number()), JobState::Cancelled);
     assert!(farm.lease(worker).is_some_and(|other| other.job != lease.job));
 }
 
@@ -385,7 +459,275 @@ fn jobs_take_turns_and_a_cancelled_one_frees_its_workers() {
 fn a_draining_coordinator_leases_nothing_but_takes_results() {
     let (mut farm, worker) = running_farm(passes(8));
     let lease = farm.lease(worker).expect("work");
-    farm.schedule.drain();
-    assert_eq!(farm.schedule.lease(farm.now, worker), LeaseAnswer::Drain);
-    assert_eq!(farm.deliver(&lease, &Outcome::Accepted), ResultAnswer::Take(lease));
+    farm.apply(Event::DrainBegan);
+    assert_eq!(farm.apply(Event::LeaseWanted { worker }), Answer::Draining);
+    assert_eq!(farm.deliver(&lease, &accepted()), Answer::Take(lease));
+}
+
+/// Gives one worker after the other what it asks for, and delivers it, oldest first, as a worker that prefetches does. Answers how many shards
+/// of each job were merged.
+fn work_for(farm: &mut Farm, workers: &[WorkerId], rounds: usize) -> BTreeMap<JobId, usize> {
+    for _ in 0..rounds {
+        for worker in workers {
+            farm.pass_time(0.01);
+            let mut leases = farm.held.remove(worker).unwrap_or_default();
+            while leases.len() < 2
+                && let Some(lease) = farm.lease(*worker)
+            {
+                leases.push(lease);
+            }
+            if !leases.is_empty() {
+                let lease = leases.remove(0);
+                farm.deliver(&lease, &accepted());
+            }
+            farm.held.insert(*worker, leases);
+        }
+    }
+    farm.merges.iter().map(|(id, merge)| (*id, merge.order.len())).collect()
+}
+
+/// The case of a short job beside a long one: busy workers always hold something, so the last shards of the short job must not be kept
+/// for idle ones.
+#[test]
+fn a_short_job_ends_beside_a_long_one() {
+    for workers in [1, 4, 16] {
+        for cost in [1_000, 30_000, 3_000_000] {
+            let mut farm = Farm::new(RadiusRule::Statistics);
+            farm.cost = cost;
+            let workers: Vec<WorkerId> = (0..workers).map(|index| farm.join(&index.to_string())).collect();
+            farm.add_job(1, passes(1_000_000));
+            work_for(&mut farm, &workers, 50);
+            farm.add_job(2, passes(10));
+            for round in 0.. {
+                work_for(&mut farm, &workers, 1);
+                if farm.state(2) == JobState::Done {
+                    break;
+                }
+                // A pilot and ten shards, each granted at latest after one of the other job, two leases a worker ahead.
+                assert!(round < 30, "{} workers, {:?}", workers.len(), farm.rules.job(id(2)));
+            }
+        }
+    }
+}
+
+/// Two jobs of equal priority get equal work done, one of three times the priority three times as much.
+#[test]
+fn jobs_share_the_farm_by_priority() {
+    for workers in [1, 3, 8] {
+        let mut farm = Farm::new(RadiusRule::Schedule);
+        let workers: Vec<WorkerId> = (0..workers).map(|index| farm.join(&index.to_string())).collect();
+        for (number, priority) in [(1, 100), (2, 100), (3, 300)] {
+            let priority = Priority::try_from(priority).expect("a priority");
+            farm.add_job_with(number, Terms { priority, ..terms(passes(1_000_000)) });
+        }
+        let rounds = 4000 / workers.len();
+        let merged = work_for(&mut farm, &workers, rounds);
+        let done = |job: u64| {
+            let shards = merged[&id(job)] as u64;
+            f64::from(
+                farm.merges[&id(job)].plan.as_ref().and_then(|plan| plan.shard(shards)).expect("more").shard.first_pass,
+            )
+        };
+        assert!((done(1) / done(2) - 1.0).abs() < 0.02, "{merged:?}");
+        assert!((done(3) / done(1) - 3.0).abs() < 0.1, "{merged:?}");
+    }
+}
+
+/// Whatever jobs come and go: one that could be worked on all the time is served as much as any other such one.
+#[test]
+fn nobody_starves_in_random_mixes_of_jobs_workers_and_arrivals() {
+    for seed in 0..200 {
+        let mut random = Random(seed);
+        let rule = if seed % 2 == 0 { RadiusRule::Statistics } else { RadiusRule::Schedule };
+        let mut farm = Farm::new(rule);
+        let workers: Vec<WorkerId> = (0..1 + random.below(8)).map(|index| farm.join(&index.to_string())).collect();
+        let mut begun: BTreeMap<u64, u64> = BTreeMap::new();
+        let mut next = 1;
+        for _ in 0..400 {
+            if begun.len() < 12 && random.chance(10) {
+                farm.cost = 1 << random.below(22);
+                farm.add_job(next, passes(1 + random.below(40) as u32 * random.below(40) as u32));
+                begun.insert(next, farm.granted);
+                next += 1;
+            }
+            work_for(&mut farm, &workers, 1);
+            begun.retain(|job, _| farm.state(*job) != JobState::Done);
+            for (job, since) in &begun {
+                // Each of twelve jobs may be behind by a second's work and by its largest shard, of 4.2 s here.
+                let is_served = farm.rules.job(id(*job)).is_some_and(|job| job.state != JobState::Queued);
+                let waited = farm.granted - since;
+                assert!(
+                    is_served || waited < 12 * (1_000_000 + 4_200_000),
+                    "seed {seed}: job {job} waits for {waited}"
+                );
+            }
+        }
+        for _ in 0..20_000 {
+            if (1..next).all(|job| farm.state(job) == JobState::Done) {
+                break;
+            }
+            work_for(&mut farm, &workers, 1);
+        }
+        assert!((1..next).all(|job| farm.state(job) == JobState::Done), "seed {seed}");
+    }
+}
+
+/// A job whose state does not fit beside others waits, but not for ever; nobody overtakes it.
+#[test]
+fn memory_is_given_in_the_order_of_arrival() {
+    let mut farm = Farm::new(RadiusRule::Statistics);
+    let worker = farm.join("one");
+    for (number, memory) in [(1, 60), (2, 60), (3, 10)] {
+        farm.add_job_with(number, Terms { memory, ..terms(passes(20)) });
+    }
+    let mut order = Vec::new();
+    for _ in 0..1000 {
+        work_for(&mut farm, &[worker], 1);
+        for job in 1..=3 {
+            if farm.state(job) != JobState::Queued && !order.contains(&job) {
+                order.push(job);
+                let running: u64 = (1..=3).filter(|job| farm.state(*job) == JobState::Running).count() as u64;
+                assert!(running < 3, "60 + 60 does not fit into 100");
+            }
+        }
+    }
+    assert_eq!(order, [1, 2, 3]);
+    assert!((1..=3).all(|job| farm.state(job) == JobState::Done));
+}
+
+/// A shard over which workers are lost is issued to three of them, not to all.
+#[test]
+fn a_shard_that_costs_three_workers_pauses_its_job() {
+    let (mut farm, _) = running_farm(passes(100));
+    farm.add_job(2, passes(1_000_000));
+    let mut victims = 0;
+    while farm.state(1) != JobState::Paused {
+        let worker = farm.join(&format!("victim {victims}"));
+        victims += 1;
+        assert!(victims < 10, "nobody stops it");
+        // It traces shard 0 of job 1 first, and takes others with it that are innocent.
+        while let Some(lease) = farm.lease(worker) {
+            if lease.job == id(1) && lease.work.index() == WorkIndex::Shard(0) {
+                break;
+            }
+            farm.deliver(&lease, &if lease.work == Work::Pilot { accepted() } else { Outcome::Refused("x".into()) });
+        }
+        farm.pass_time(11.0);
+    }
+    let job = farm.rules.job(id(1)).expect("a job");
+    assert!(job.pause.as_ref().expect("a reason").to_string().contains("shard 0"), "{:?}", job.pause);
+    assert!(victims >= 3);
+    farm.apply(Event::JobResumed { job: id(1) });
+    assert_ne!(farm.state(1), JobState::Paused);
+}
+
+/// A coordinator that was stopped, or starved of processor time, could not hear heartbeats: no lease is lost by that.
+#[test]
+fn a_stall_of_the_coordinator_costs_no_leases() {
+    let (mut farm, worker) = running_farm(passes(100));
+    let lease = farm.lease(worker).expect("work");
+    farm.now += seconds(500.0);
+    farm.apply(Event::TimePassed);
+    assert_eq!(farm.heartbeat(worker, &[lease.id]), Some(Vec::new()));
+    assert!(matches!(farm.deliver(&lease, &accepted()), Answer::Take(taken) if taken.id == lease.id));
+}
+
+#[test]
+fn a_farm_without_workers_says_since_when() {
+    let (mut farm, worker) = running_farm(passes(100));
+    assert_eq!(farm.rules.deserted_since(), None);
+    let lease = farm.lease(worker).expect("work");
+    farm.pass_time(30.0);
+    let since = farm.rules.deserted_since().expect("nobody is there");
+    assert!(since > seconds(9.0) && since < seconds(11.5), "{since:?}");
+    assert_eq!(farm.heartbeat(worker, &[lease.id]), Some(vec![lease.id]), "it was only cut off");
+    assert_eq!(farm.rules.deserted_since(), None);
+    farm.apply(Event::WorkerLeft { worker });
+    assert!(farm.rules.deserted_since().is_some());
+}
+
+#[test]
+fn a_paused_job_gets_no_work_and_goes_on_when_resumed() {
+    let (mut farm, worker) = running_farm(passes(20));
+    let lease = farm.lease(worker).expect("work");
+    let reason = photonfarm::farm::rules::terms::PauseReason::User;
+    assert_eq!(farm.apply(Event::JobPaused { job: id(1), reason: reason.clone() }), Answer::Done);
+    assert_eq!(farm.apply(Event::JobPaused { job: id(1), reason }), Answer::NotPossible(JobState::Paused));
+    assert_eq!(farm.deliver(&lease, &accepted()), Answer::Take(lease), "what was traced is not lost");
+    assert_eq!(farm.lease(worker), None);
+    assert_eq!(farm.apply(Event::JobResumed { job: id(1) }), Answer::Done);
+    assert_eq!(farm.apply(Event::JobResumed { job: id(1) }), Answer::NotPossible(farm.state(1)));
+    work_for(&mut farm, &[worker], 100);
+    assert_eq!(farm.state(1), JobState::Done);
+}
+
+/// Traces what it is given; a liar's shards have other bits.
+fn digest_of(lease: &Lease, lies: bool) -> Digest {
+    let (Work::Shard(index, _) | Work::Check(index, _)) = lease.work else { return Digest([0; 32]) };
+    Digest([index as u8 ^ if lies { lease.worker.number() as u8 } else { 0 }; 32])
+}
+
+fn checking_farm(share: f64) -> Farm {
+    Farm::with(
+        RadiusRule::Statistics,
+        RulesOptions { lease_duration: LEASE, memory_budget: 100, check_share: CheckShare::new(share), first_id: 1000 },
+    )
+}
+
+#[test]
+fn checked_shards_are_traced_by_another_worker_and_compared() {
+    let mut farm = checking_farm(1.0);
+    let workers = [farm.join("one"), farm.join("two")];
+    farm.add_job(1, passes(40));
+    for _ in 0..200 {
+        for worker in workers {
+            let Some(lease) = farm.lease(worker) else { continue };
+            let digest = farm.rules.wants_digest(&lease).then(|| digest_of(&lease, false));
+            let answer = farm.deliver(&lease, &Outcome::Accepted(digest));
+            let is_check = matches!(lease.work, Work::Check(..));
+            assert_eq!(answer == Answer::Compared, is_check, "{lease:?}");
+        }
+    }
+    let job = farm.rules.job(id(1)).expect("a job");
+    assert_eq!(job.state, JobState::Done);
+    let shards = job.totals.shards;
+    assert!(job.checks.verified + 4 >= shards, "{} of {shards} are verified", job.checks.verified);
+    assert_eq!(job.checks.mismatched, 0);
+}
+
+/// A worker that returns other bits than two others is set aside, and what was merged from it is done again.
+#[test]
+fn a_liar_is_found_out_and_its_shards_are_done_again() {
+    let mut farm = checking_farm(0.3);
+    let liar = farm.join("liar");
+    let honest = [farm.join("honest one"), farm.join("honest two")];
+    farm.add_job(1, passes(400));
+    let mut rollback = None;
+    for round in 0..200 {
+        for worker in [liar, honest[0], honest[1]] {
+            // The pilot and the first shards are honest work.
+            if worker == liar && round < 5 {
+                continue;
+            }
+            let Some(lease) = farm.lease(worker) else { continue };
+            let digest = farm
+                .rules
+                .wants_digest(&lease)
+                .then(|| digest_of(&lease, worker == liar && matches!(lease.work, Work::Shard(..))));
+            farm.deliver(&lease, &Outcome::Accepted(digest));
+            if let Some(found) = farm.last.rollbacks.first() {
+                rollback = rollback.or(Some(*found));
+            }
+        }
+        if rollback.is_some() {
+            break;
+        }
+    }
+    let rollback = rollback.expect("the liar is found out");
+    assert_eq!(rollback.job, id(1));
+    let keep = rollback.keep.expect("the pilot was honest");
+    assert!(keep > 0 && keep < farm.merges[&id(1)].order.len() as u64, "{keep}");
+    let record = farm.rules.roster().get(liar).expect("it is still there");
+    assert!(record.set_aside(farm.now).is_some_and(|reason| reason.contains("other bits")));
+    assert_eq!(farm.lease(honest[0]), None, "nothing is leased until the job is restored");
 }

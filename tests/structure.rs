@@ -34,9 +34,9 @@ const CRATES: &[(&str, &[&str])] = &[
     ("exr", &["estimate/picture_files", "scene/texture"]),
     ("image", &["estimate/picture_files", "scene/texture"]),
     ("plotters", &["evaluation/chart/canvas.rs"]),
-    ("rayon", &["transport", "method", "render", "evaluation/run.rs", "farm/worker"]),
+    ("rayon", &["transport", "method", "render", "evaluation/run.rs", "evaluation/stopwatch.rs", "farm/worker"]),
     ("tokio", &["farm", "api", "cli", "main.rs"]),
-    ("axum", &["farm", "api", "cli/local_farm.rs"]),
+    ("axum", &["farm", "api", "cli/farm_options.rs"]),
     ("utoipa", &["farm", "api"]),
     ("utoipa_axum", &["api"]),
     ("reqwest", &["farm/worker", "cli"]),
@@ -47,9 +47,8 @@ const CRATES: &[(&str, &[&str])] = &[
     ("tracing_subscriber", &["cli", "main.rs"]),
 ];
 
-/// The farm's scheduling: a state machine that is given the time and knows neither clocks nor the network.
-const STATE_MACHINE: &[&str] =
-    &["farm/rules/schedule.rs", "farm/rules/lease.rs", "farm/rules/plan.rs", "farm/rules/roster.rs"];
+/// The farm's rules: a state machine that is given the time and knows neither clocks nor the network.
+const STATE_MACHINE: &str = "farm/rules/";
 
 const MOST_LINES: usize = 400;
 
@@ -240,29 +239,89 @@ fn structure_rendering_knows_no_clock_environment_or_thread() {
 fn structure_scheduling_is_synchronous() {
     let mut violations = Vec::new();
     let sources = sources();
-    for path in STATE_MACHINE {
-        let file = sources.iter().find(|file| file.path == *path).unwrap_or_else(|| panic!("{path} is gone"));
-        let crates = ["tokio", "axum", "reqwest", "prost", "rayon", "futures_util"];
-        violations
-            .extend(crates.iter().filter(|name| file.names_crate(name)).map(|name| format!("{path} names {name}")));
-        for word in ["async ", ".await", "Renderer", "Mutex", "::now()", "SystemTime", "std::env"] {
+    let rules: Vec<&SourceFile> = sources.iter().filter(|file| file.path.starts_with(STATE_MACHINE)).collect();
+    assert!(rules.len() > 5, "the rules are elsewhere");
+    for file in rules {
+        let crates = ["tokio", "axum", "reqwest", "prost", "rayon", "futures_util", "tracing", "sqlx", "object_store"];
+        let named = crates.iter().filter(|name| file.names_crate(name));
+        violations.extend(named.map(|name| format!("{} names {name}", file.path)));
+        for word in ["async ", ".await", "Renderer", "Mutex", "::now()", "SystemTime", "std::env", "evaluation::"] {
             if file.code.contains(word) {
-                violations.push(format!("{path} contains {word}"));
+                violations.push(format!("{} contains {word}", file.path));
             }
         }
     }
     assert_none(&violations, "scheduling is a synchronous state machine");
 }
 
+/// Places of the farm that may reach what traces: those that run in workers.
+const TRACERS: &[&str] = &["farm/worker/", "farm/method_choice.rs", "farm/local_farm.rs"];
+
+/// What the coordinator's side may use of the layers that trace: data, names and checks, none of which can trace a ray.
+const HARMLESS: &[&str] = &[
+    "render::Pilot",
+    "render::first_surface::FirstSurface",
+    "evaluation::DEFAULT_ERROR",
+    "farm::method_choice::AUTO",
+    "farm::method_choice::DEFAULT_METHOD",
+    "farm::method_choice::choice",
+    "farm::method_choice::without_passed_over",
+    "farm::method_choice::check_trials",
+    "farm::prepared_scenes",
+];
+
+/// Every item that a file imports from the crate, as paths without groups.
+fn imported_items(file: &SourceFile) -> Vec<String> {
+    fn expand(path: &str, items: &mut Vec<String>) {
+        let Some(open) = path.find('{') else { return items.push(path.trim().to_owned()) };
+        let inside = path[open + 1..].trim_end().trim_end_matches('}');
+        let (mut depth, mut start) = (0, 0);
+        for (at, letter) in inside.char_indices().chain([(inside.len(), ',')]) {
+            match letter {
+                '{' => depth += 1,
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    if !inside[start..at].trim().is_empty() {
+                        expand(&format!("{}{}", &path[..open], inside[start..at].trim()), items);
+                    }
+                    start = at + 1;
+                }
+                _ => {}
+            }
+        }
+    }
+    let mut items = Vec::new();
+    for import in file.code.split("use crate::").skip(1) {
+        expand(import.split(';').next().unwrap_or_default(), &mut items);
+    }
+    items
+}
+
 #[test]
-fn structure_only_workers_trace() {
-    let farm = sources().into_iter().filter(|file| file.layer() == "farm" && !file.path.starts_with("farm/worker"));
-    // Layers that follow from the scene alone are looked at when someone asks.
-    let traces = |file: &SourceFile| {
-        file.code.contains("Renderer")
-            || file.code.contains("first_surface_layers") && file.path != "farm/coordinator/layers.rs"
-    };
-    let violations: Vec<String> = farm.filter(traces).map(|file| file.path).collect();
+fn structure_the_coordinator_reaches_nothing_that_traces() {
+    let mut violations = Vec::new();
+    let mut seen = 0;
+    for file in sources() {
+        let traces = TRACERS.iter().any(|place| file.path.starts_with(place));
+        if file.layer() != "farm" || traces {
+            continue;
+        }
+        for item in imported_items(&file) {
+            let suspicious = ["render::", "transport::", "evaluation::", "farm::worker", "farm::method_choice"];
+            if suspicious.iter().any(|layer| item.starts_with(layer)) {
+                seen += 1;
+                if !HARMLESS.iter().any(|known| item == *known || item.ends_with("::self")) {
+                    violations.push(format!("{} reaches {item}", file.path));
+                }
+            }
+        }
+        for word in ["crate::render::Renderer", "crate::evaluation::survey", "first_surface_layers", "try_methods"] {
+            if file.code.contains(word) {
+                violations.push(format!("{} names {word}", file.path));
+            }
+        }
+    }
+    assert!(seen > 5, "only {seen} imports were found: the parser is broken");
     assert_none(&violations, "the coordinator's side never traces a path");
 }
 

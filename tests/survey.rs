@@ -4,7 +4,7 @@
 #[expect(dead_code, reason = "no jobs are run here")]
 mod progressive;
 
-use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use photonfarm::evaluation::{Spent, Stopwatch, StopwatchError, Survey, Trial, survey};
 use photonfarm::method::MethodChoice;
@@ -23,9 +23,9 @@ impl Stopwatch for Steps {
 }
 
 fn surveyed(reference: &str, wanted: f64, step: f64) -> Survey {
-    let scene = Arc::into_inner(progressive::reference_scene(reference)).expect("nobody else has it");
+    let scene = progressive::reference_scene(reference);
     let choice = |name: &str| MethodChoice { name: name.to_owned(), parameters: serde_json::Map::default() };
-    survey(scene, choice, wanted, &mut Steps { now: 0.0, step }).expect("methods are found")
+    survey(&scene, choice, wanted, &mut Steps { now: 0.0, step }, &AtomicBool::new(false)).expect("methods are found")
 }
 
 /// On a machine so slow that the first passes outlast the later rounds, a method has nothing new to tell there.

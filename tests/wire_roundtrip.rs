@@ -1,15 +1,20 @@
 //! The workers' protocol: what is written is what is read, and hostile bytes are refused without harm.
 
 use photonfarm::estimate::{PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
-use photonfarm::farm::rules::lease::Work;
+use photonfarm::farm::ids::{Fencing, JobId, LeaseId};
 use photonfarm::farm::rules::plan::Plan;
-use photonfarm::farm::wire::lease::{JobDescription, decode_lease, encode_lease};
+use photonfarm::farm::wire::first_surfaces;
+use photonfarm::farm::wire::lease::{
+    ChoiceTerms, JobDescription, LeasedWork, ShardTerms, WorkerLease, decode_lease, encode_lease,
+};
 use photonfarm::farm::wire::messages;
 use photonfarm::farm::wire::planes;
 use photonfarm::farm::wire::radius;
 use photonfarm::farm::wire::result::{decode_checked_tally, decode_pilot, decode_tally, encode_pilot, encode_tally};
+use photonfarm::math::{Rgb, Vec3};
 use photonfarm::method::{CheckedMethod, MethodChoice};
 use photonfarm::render::Pilot;
+use photonfarm::render::first_surface::FirstSurface;
 use proptest::prelude::*;
 use prost::Message;
 
@@ -36,7 +41,14 @@ fn job() -> JobDescription {
         photons_per_pass: 1000,
         passes: 64,
     };
-    JobDescription { id: "job-1".into(), scene: "ab".repeat(32), method, seed: u64::MAX, width: 64, height: 64 }
+    JobDescription {
+        id: JobId::new(77),
+        scene: "ab".repeat(32),
+        method: Some(method),
+        seed: u64::MAX,
+        width: 64,
+        height: 64,
+    }
 }
 
 #[test]
@@ -60,12 +72,40 @@ fn radius_fields_and_pilots_keep_every_bit() {
     assert_eq!(decode_pilot(&encode_pilot(&pilot), 1400), Ok(pilot));
 }
 
+fn lease(work: LeasedWork) -> WorkerLease {
+    WorkerLease { id: LeaseId::new(3), fencing: Fencing::new(4), job: job(), work }
+}
+
+fn shard_work(index: u64) -> LeasedWork {
+    let planned = Plan::new(64, 64, 1000, None, RadiusRule::Statistics).shard(index).expect("endless");
+    LeasedWork::Shard(ShardTerms { planned, generation: 2 })
+}
+
 #[test]
-fn leases_say_what_to_trace() {
-    let planned = Plan::new(64, 64, 1000, None, RadiusRule::Statistics).shard(100).expect("endless");
-    let read = decode_lease(encode_lease(3, 4, &job(), Work::Shard(100, planned))).expect("just encoded");
-    assert_eq!((read.id, read.fencing, read.job, read.work), (3, 4, job(), Some(planned)));
-    assert_eq!(decode_lease(encode_lease(3, 4, &job(), Work::Pilot)).expect("just encoded").work, None);
+fn leases_say_what_to_do() {
+    let parameters = serde_json::Map::from_iter([("max_depth".to_owned(), 3.into())]);
+    let choice = LeasedWork::Choice(ChoiceTerms { parameters, error: 0.01 });
+    for work in [choice, LeasedWork::Pilot, shard_work(100), LeasedWork::FirstSurfaces] {
+        let mut lease = lease(work);
+        assert_eq!(decode_lease(encode_lease(&lease)).as_ref(), Ok(&lease));
+        lease.job.method = None;
+        let needs_method = matches!(lease.work, LeasedWork::Pilot | LeasedWork::Shard(_));
+        assert_eq!(decode_lease(encode_lease(&lease)).is_err(), needs_method, "{lease:?}");
+    }
+}
+
+#[test]
+fn first_surfaces_keep_every_bit() {
+    let pixel = |index: usize| FirstSurface {
+        albedo: Rgb::new(0.1, index as f32, 1.0 / 3.0),
+        normal: Vec3::new(-0.0, 0.5, -1.0),
+        depth: index as f32,
+    };
+    let seen: Vec<FirstSurface> = (0..500).map(pixel).collect();
+    assert_eq!(first_surfaces::decode(&first_surfaces::encode(&seen), 500), Ok(seen.clone()));
+    assert!(first_surfaces::decode(&first_surfaces::encode(&seen), 499).is_err());
+    let wrong = [FirstSurface { depth: f32::NAN, ..seen[0] }];
+    assert!(first_surfaces::decode(&first_surfaces::encode(&wrong), 1).is_err());
 }
 
 #[test]
@@ -92,8 +132,7 @@ fn impossible_radii_are_refused() {
 
 #[test]
 fn impossible_leases_are_refused() {
-    let planned = Plan::new(64, 64, 1000, None, RadiusRule::Statistics).shard(1).expect("endless");
-    let good = encode_lease(1, 1, &job(), Work::Shard(1, planned));
+    let good = encode_lease(&lease(shard_work(1)));
     let broken = |spoil: &dyn Fn(&mut messages::ShardWork)| {
         let mut message = good.clone();
         if let Some(messages::lease::Work::Shard(shard)) = message.work.as_mut() {

@@ -11,10 +11,10 @@ use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
 use super::ApiState;
-use super::extract::PathValue;
+use super::extract::{PathValue, parse_job};
 use super::jobs::JobView;
 use super::problem::Problem;
-use crate::farm::job::{JobState, JobStatus};
+use crate::farm::job::JobStatus;
 
 /// The least time between two events of a stream: about five a second.
 const EVENT_INTERVAL: Duration = Duration::from_millis(200);
@@ -36,7 +36,7 @@ pub async fn job_events(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
-    let receiver = state.coordinator.watch(&id)?;
+    let receiver = state.coordinator.watch(parse_job(&id)?)?;
     let keep_alive = KeepAlive::new().interval(KEEP_ALIVE_INTERVAL);
     Ok(Sse::new(status_events(receiver, state.shutdown)).keep_alive(keep_alive))
 }
@@ -65,14 +65,9 @@ fn status_events(
             }
         }
         let status = receiver.borrow_and_update().clone();
-        let progress = if is_final(status.state) { Progress::Ended } else { Progress::Following };
+        let progress = if status.state.is_final() { Progress::Ended } else { Progress::Following };
         // A status is plain data with string keys; it always has a JSON form.
         let event = Event::default().event("status").json_data(JobView::from(status)).ok()?;
         Some((Ok(event), (receiver, shutdown, progress)))
     })
-}
-
-/// Whether a job in this state stays as it is.
-pub fn is_final(state: JobState) -> bool {
-    matches!(state, JobState::Done | JobState::Failed | JobState::Cancelled)
 }

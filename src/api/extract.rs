@@ -8,6 +8,7 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
 use super::problem::Problem;
+use crate::farm::ids::{BadJobId, JobId};
 
 /// A JSON body.
 pub struct JsonBody<T>(pub T);
@@ -29,7 +30,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for JsonBody<T> {
         let content_type = request.headers().get(CONTENT_TYPE).and_then(|value| value.to_str().ok()).unwrap_or("");
         let media_type = content_type.split(';').next().unwrap_or("").trim();
         if !media_type.eq_ignore_ascii_case("application/json") {
-            return Err(Problem::not_said_to_be_json(media_type));
+            return Err(Problem::unsupported_media_type(media_type));
         }
         let RawBody(bytes) = RawBody::from_request(request, state).await?;
         Ok(Self(serde_json::from_slice(&bytes).map_err(Problem::from)?))
@@ -58,4 +59,10 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for QueryValues<T>
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, Problem> {
         Ok(Self(Query::from_request_parts(parts, state).await?.0))
     }
+}
+
+/// A job's id in the address; a text that cannot be one is no job.
+#[expect(clippy::result_large_err, reason = "made at most once a request")]
+pub fn parse_job(text: &str) -> Result<JobId, Problem> {
+    text.parse().map_err(|BadJobId(text)| Problem::unknown_job(&text))
 }

@@ -8,12 +8,13 @@ use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
 use utoipa::{IntoParams, PartialSchema};
 
 use super::ApiState;
-use super::extract::{PathValue, QueryValues};
+use super::extract::{PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_png};
-use crate::evaluation::chart::{draw_job, to_svg};
+use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
+use crate::farm::rules::terms::ErrorPoint;
 
 /// How the PNG is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
@@ -71,10 +72,11 @@ pub async fn image_png(
         ));
     }
     let variant = format!("png{:x}", query.exposure.to_bits());
-    if let Some(unchanged) = unchanged(&state.coordinator.job(&id)?, &variant, &headers) {
+    let id = parse_job(&id)?;
+    if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
         return Ok(unchanged);
     }
-    let (picture, status) = state.coordinator.picture(&id).await?;
+    let (picture, status) = state.coordinator.picture(id).await?;
     let tag = etag(&status, &variant);
     let bytes = encode(move || encode_png(&picture, query.exposure)).await?;
     Ok(image("image/png", &tag, bytes))
@@ -101,10 +103,11 @@ pub async fn image_exr(
     let wanted = wanted_layers(&query.layers)?;
     let names: Vec<&str> = wanted.iter().map(|layer| layer.row().name).collect();
     let variant = format!("exr,{}", names.join(","));
-    if let Some(unchanged) = unchanged(&state.coordinator.job(&id)?, &variant, &headers) {
+    let id = parse_job(&id)?;
+    if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
         return Ok(unchanged);
     }
-    let (picture, layers, status) = state.coordinator.picture_with_layers(&id, &wanted).await?;
+    let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
     let tag = etag(&status, &variant);
     let bytes = encode(move || encode_exr(&picture, &layers, &metadata_of(&status))).await?;
     Ok(image("image/x-exr", &tag, bytes))
@@ -126,11 +129,13 @@ pub async fn chart_svg(
     PathValue(id): PathValue<String>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let status = state.coordinator.job(&id)?;
+    let id = parse_job(&id)?;
+    let status = state.coordinator.job(id)?;
     if let Some(unchanged) = unchanged(&status, "svg", &headers) {
         return Ok(unchanged);
     }
-    let history = state.coordinator.error_history(&id)?;
+    let point = |ErrorPoint { seconds, measured }| JobPoint { seconds, passes: measured.passes, error: measured.error };
+    let history: Vec<JobPoint> = state.coordinator.error_history(id)?.into_iter().map(point).collect();
     let (tag, title) = (etag(&status, "svg"), format!("{id}: {}", status.method));
     let svg = encode(move || to_svg(&draw_job(&title, &history, status.stop.error))).await?;
     Ok(image("image/svg+xml", &tag, svg.into_bytes()))

@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::ApiState;
-use super::extract::{JsonBody, PathValue};
+use super::extract::{JsonBody, PathValue, parse_job};
 use super::problem::Problem;
 use crate::farm::FarmError;
-use crate::farm::job::{JobRequest, JobStatus, StopRule};
+use crate::farm::job::{JobRequest, JobStatus, Priority, StopRule};
 
 /// A job to be made. Exactly one of `scene` and `scene_inline` is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -38,6 +38,15 @@ pub struct JobSubmission {
     /// Seed of all random numbers; 0 by default.
     #[serde(default)]
     pub seed: u64,
+    /// What people call it; at most 200 bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Words to find it by; at most 20 of at most 100 bytes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tags: Vec<String>,
+    /// Its share of the farm.
+    #[serde(default)]
+    pub priority: Priority,
 }
 
 /// A job's status with its addresses.
@@ -116,10 +125,10 @@ pub async fn submit_job(
             return Err(Problem::bad_request(detail, "give either scene (a hash) or scene_inline"));
         }
     };
-    let JobSubmission { method, parameters, stop, seed, .. } = submission;
-    let request = JobRequest { scene, method, parameters, stop, seed };
+    let JobSubmission { method, parameters, stop, seed, name, tags, priority, .. } = submission;
+    let request = JobRequest { scene, method, parameters, stop, seed, name, tags, priority };
     let id = state.coordinator.submit(request).await.map_err(submission_problem)?;
-    let view = JobView::from(state.coordinator.job(&id)?);
+    let view = JobView::from(state.coordinator.job(id)?);
     let location = view.links.this.clone();
     Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)).into_response())
 }
@@ -166,7 +175,7 @@ pub async fn show_job(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
 ) -> Result<Json<JobView>, Problem> {
-    Ok(Json(state.coordinator.job(&id)?.into()))
+    Ok(Json(state.coordinator.job(parse_job(&id)?)?.into()))
 }
 
 /// Stops a job and keeps its picture. A job that has ended already stays as it is.
@@ -182,5 +191,5 @@ pub async fn cancel_job(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
 ) -> Result<Json<JobView>, Problem> {
-    Ok(Json(state.coordinator.cancel(&id)?.into()))
+    Ok(Json(state.coordinator.cancel(parse_job(&id)?).await?.into()))
 }

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
-use super::extract::{PathValue, QueryValues};
+use super::extract::{PathValue, QueryValues, parse_job};
 use super::images::{etag, image, unchanged};
 use super::problem::Problem;
 use crate::estimate::picture_files::{Channels, LUMINANCE, Layer, LayerRow, LayerValues, PictureFileError};
@@ -126,10 +126,11 @@ async fn map(
 ) -> Result<Response, Problem> {
     let wanted: Vec<Layer> = query.further_layer()?.into_iter().collect();
     let variant = format!("{media_type},{query:?}");
-    if let Some(unchanged) = unchanged(&state.coordinator.job(&id)?, &variant, &headers) {
+    let id = parse_job(&id)?;
+    if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
         return Ok(unchanged);
     }
-    let (picture, layers, status) = state.coordinator.picture_with_layers(&id, &wanted).await?;
+    let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
     let tag = etag(&status, &variant);
     let note = format!("{id}: {}, {} passes", status.method, status.passes_done);
     let drawn = tokio::task::spawn_blocking(move || {

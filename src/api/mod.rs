@@ -27,12 +27,7 @@ use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::farm::{self, CoordinatorHandle};
-
-/// Bytes that an uploaded scene may have: 1 GiB.
-pub const MAX_SCENE_BYTES: usize = 1 << 30;
-/// Bytes that a job request, inline scene included, may have: 64 MiB.
-pub const MAX_JOB_BYTES: usize = 64 << 20;
+use crate::farm::{CoordinatorHandle, Limits};
 
 /// What the endpoints share.
 #[derive(Clone)]
@@ -43,15 +38,10 @@ pub struct ApiState {
     pub shutdown: CancellationToken,
 }
 
-/// Everything a coordinator serves: the API under `/v1`, the workers' protocol under `/farm/v1`, and the dashboard.
-pub fn application(coordinator: CoordinatorHandle, shutdown: CancellationToken) -> Router {
-    let workers_protocol = farm::http::router(coordinator.clone());
-    router(ApiState { coordinator, shutdown }).nest("/farm/v1", workers_protocol)
-}
-
 /// The API and the dashboard, without the workers' protocol.
 pub fn router(state: ApiState) -> Router {
-    let (router, description) = described_routes().split_for_parts();
+    let limits = state.coordinator.limits();
+    let (router, description) = described_routes(limits).split_for_parts();
     Router::new()
         .merge(router.with_state(state))
         .merge(openapi::routes(description))
@@ -60,12 +50,11 @@ pub fn router(state: ApiState) -> Router {
         .method_not_allowed_fallback(problem::method_not_allowed)
 }
 
-fn described_routes() -> OpenApiRouter<ApiState> {
-    let uploads =
-        OpenApiRouter::new().routes(routes!(scenes::upload_scene)).layer(DefaultBodyLimit::max(MAX_SCENE_BYTES));
-    let submissions = OpenApiRouter::new()
-        .routes(routes!(jobs::list_jobs, jobs::submit_job))
-        .layer(DefaultBodyLimit::max(MAX_JOB_BYTES));
+fn described_routes(limits: &Limits) -> OpenApiRouter<ApiState> {
+    let bytes = |limit: u64| DefaultBodyLimit::max(usize::try_from(limit).unwrap_or(usize::MAX));
+    let uploads = OpenApiRouter::new().routes(routes!(scenes::upload_scene)).layer(bytes(limits.scene_bytes));
+    let submissions =
+        OpenApiRouter::new().routes(routes!(jobs::list_jobs, jobs::submit_job)).layer(bytes(limits.job_bytes));
     let version_1 = OpenApiRouter::new()
         .merge(uploads)
         .merge(submissions)

@@ -1,6 +1,8 @@
 //! Every error answer of the API: `application/problem+json` (RFC 9457) with the remedy and, where there is one, the
 //! place in what the user sent.
 
+use std::time::Duration;
+
 use axum::extract::rejection::{BytesRejection, PathRejection, QueryRejection};
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
@@ -29,6 +31,9 @@ pub struct Problem {
     /// Where it stands in what was sent: file, line and path of a scene, or line and column of a JSON body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
+    /// Seconds after which the same request may succeed; also in the header `Retry-After`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub retry_after: Option<u64>,
 }
 
 impl Problem {
@@ -41,6 +46,7 @@ impl Problem {
             detail: detail.into(),
             remedy: None,
             place: None,
+            retry_after: None,
         }
     }
 
@@ -61,10 +67,22 @@ impl Problem {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-request", detail).remedy(remedy)
     }
 
+    /// No job has this id.
+    pub fn unknown_job(id: &str) -> Self {
+        Self::new(StatusCode::NOT_FOUND, "unknown-job", format!("there is no job \"{id}\""))
+            .remedy("see GET /v1/jobs for the jobs there are")
+    }
+
+    /// The same with the time after which the request may be repeated.
+    pub fn retry_after(mut self, pause: Duration) -> Self {
+        self.retry_after = Some(pause.as_secs().max(1));
+        self
+    }
+
     /// A body that should be JSON and is not said to be.
-    pub fn not_said_to_be_json(media_type: &str) -> Self {
+    pub fn unsupported_media_type(media_type: &str) -> Self {
         let detail = format!("the body is said to be \"{media_type}\" where JSON is expected");
-        Self::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "wrong-content-type", detail)
+        Self::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", detail)
             .remedy("send JSON with the header Content-Type: application/json")
     }
 
@@ -80,8 +98,8 @@ impl IntoResponse for Problem {
         let mut response = (status, axum::Json(&self)).into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
-        if status == StatusCode::SERVICE_UNAVAILABLE || self.slug() == "no-picture-yet" {
-            headers.insert(header::RETRY_AFTER, HeaderValue::from_static("1"));
+        if let Some(seconds) = self.retry_after {
+            headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
         }
         response
     }
@@ -94,17 +112,30 @@ impl From<FarmError> for Problem {
             FarmError::UnknownScene(_) => {
                 Self::new(StatusCode::NOT_FOUND, "unknown-scene", detail).remedy("upload it with POST /v1/scenes")
             }
-            FarmError::UnknownJob(_) => Self::new(StatusCode::NOT_FOUND, "unknown-job", detail)
-                .remedy("see GET /v1/jobs for the jobs there are"),
+            FarmError::UnknownJob(id) => Self::unknown_job(&id.to_string()),
             FarmError::BadScene(error) => Self::from(error),
             FarmError::BadMethod(error) => Self::from(error),
             FarmError::BadRequest { problem, remedy } => Self::bad_request(problem, remedy),
             FarmError::NoPictureYet(_) => Self::new(StatusCode::NOT_FOUND, "no-picture-yet", detail)
-                .remedy("ask again, or follow the job's events"),
+                .remedy("ask again, or follow the job's events")
+                .retry_after(Duration::from_secs(1)),
             FarmError::TooLarge { .. } => {
                 Self::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", detail).remedy("send less, or make it smaller")
             }
-            FarmError::ShuttingDown => Self::new(StatusCode::SERVICE_UNAVAILABLE, "shutting-down", detail),
+            FarmError::Busy { problem, retry_after } => Self::new(StatusCode::TOO_MANY_REQUESTS, "busy", problem)
+                .remedy("try again later")
+                .retry_after(retry_after),
+            FarmError::NotYet { problem, retry_after } => {
+                Self::new(StatusCode::SERVICE_UNAVAILABLE, "not-yet", problem)
+                    .remedy("ask again; a worker has to be there")
+                    .retry_after(retry_after)
+            }
+            FarmError::Conflict { problem, remedy } => {
+                Self::new(StatusCode::CONFLICT, "conflict", problem).remedy(remedy)
+            }
+            FarmError::ShuttingDown => {
+                Self::new(StatusCode::SERVICE_UNAVAILABLE, "shutting-down", detail).retry_after(Duration::from_secs(1))
+            }
             FarmError::Internal(_) => {
                 tracing::error!(%detail, "a request failed");
                 Self::new(StatusCode::INTERNAL_SERVER_ERROR, "internal-fault", detail)
@@ -150,7 +181,7 @@ impl From<BytesRejection> for Problem {
         let status = rejection.status();
         if status == StatusCode::PAYLOAD_TOO_LARGE {
             return Self::new(status, "too-large", "the body has more bytes than are accepted")
-                .remedy("send at most 1 GiB as a scene and 64 MiB as a job; upload large scenes with POST /v1/scenes");
+                .remedy("see limits in GET /v1/limits; upload large scenes with POST /v1/scenes");
         }
         Self::new(status, "broken-body", rejection.body_text()).remedy("send the request again")
     }

@@ -8,7 +8,6 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::exit_code::CliError;
-use crate::api::events::is_final;
 use crate::api::jobs::JobSubmission;
 use crate::api::problem::Problem;
 use crate::farm::job::JobStatus;
@@ -129,7 +128,7 @@ impl Client {
                 let Some(data) = line.strip_prefix(b"data:") else { continue };
                 let status: JobStatus = serde_json::from_slice(data).map_err(|error| self.not_a_coordinator(&error))?;
                 show(&status);
-                if is_final(status.state) {
+                if status.state.is_final() {
                     return Ok(Some(status));
                 }
             }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use crate::api::jobs::JobSubmission;
-use crate::farm::job::StopRule;
+use crate::farm::job::{Priority, StopRule};
 
 /// A scene and how to render it.
 #[derive(Clone, Debug, Args)]
@@ -36,6 +36,15 @@ pub(super) struct JobOptions {
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// What people call the job.
+    #[arg(long)]
+    name: Option<String>,
+    /// Word to find the job by. May be repeated.
+    #[arg(long = "tag", value_name = "WORD")]
+    tags: Vec<String>,
+    /// The job's share of the farm beside others, 1 to 1000.
+    #[arg(long, default_value = "100", value_parser = priority)]
+    priority: Priority,
     /// Value of a scene parameter, in place of its <default>. May be repeated.
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
     pub(super) defines: Vec<(String, String)>,
@@ -53,6 +62,9 @@ impl JobOptions {
             parameters: self.settings.iter().cloned().chain(length).chain(strategy).collect(),
             stop: StopRule { passes: self.passes, seconds: self.seconds, error: self.error },
             seed: self.seed,
+            name: self.name.clone(),
+            tags: self.tags.clone(),
+            priority: self.priority,
         }
     }
 }
@@ -70,4 +82,10 @@ pub(super) fn define(text: &str) -> Result<(String, String), String> {
         Some((key, value)) if !key.is_empty() => Ok((key.to_owned(), value.to_owned())),
         _ => Err("write a name, =, and a value".to_owned()),
     }
+}
+
+/// A job's share of the farm.
+pub(super) fn priority(text: &str) -> Result<Priority, String> {
+    let number: u16 = text.parse().map_err(|_| "give a number from 1 to 1000".to_owned())?;
+    Priority::try_from(number).map_err(|problem| problem.to_string())
 }

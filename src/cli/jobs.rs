@@ -5,7 +5,7 @@ use clap::Args;
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
 use super::terminal;
-use crate::farm::job::{JobState, JobStatus};
+use crate::farm::job::JobStatus;
 
 /// List a coordinator's jobs.
 ///
@@ -26,13 +26,7 @@ impl Jobs {
 }
 
 fn line(job: &JobStatus) -> String {
-    let state = match job.state {
-        JobState::Queued => "queued",
-        JobState::Running => "running",
-        JobState::Done => "done",
-        JobState::Failed => "failed",
-        JobState::Cancelled => "cancelled",
-    };
+    let state = job.state.name();
     let total = job.passes_total.map(|total| format!("/{total}")).unwrap_or_default();
     format!("{}\t{state}\t{}{total}\t{:.1}\t{}", job.id, job.passes_done, job.seconds, job.method)
 }

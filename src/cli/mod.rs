@@ -6,11 +6,11 @@ mod client;
 mod compare;
 mod evaluate;
 mod exit_code;
+mod farm_options;
 mod fetch;
 mod import;
 mod job_options;
 mod jobs;
-mod local_farm;
 mod map;
 mod methods;
 mod outputs;
@@ -33,8 +33,14 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use tracing::level_filters::LevelFilter;
+use tracing_subscriber::Layer;
+use tracing_subscriber::filter::Targets;
+use tracing_subscriber::layer::SubscriberExt;
+use tracing_subscriber::util::SubscriberInitExt;
 
 use exit_code::{CliError, EXIT_CODES};
+
+use crate::farm::EVENTS;
 
 /// One photon-mapped picture on many machines.
 #[derive(Debug, Parser)]
@@ -121,5 +127,8 @@ fn start_log(verbose: u8) {
         2 => LevelFilter::DEBUG,
         _ => LevelFilter::TRACE,
     };
-    tracing_subscriber::fmt().with_max_level(level).with_writer(std::io::stderr).log_internal_errors(false).init();
+    // Who joins, leaves or dies is for everybody who runs a farm.
+    let filter = Targets::new().with_default(level).with_target(EVENTS, level.max(LevelFilter::INFO));
+    let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).log_internal_errors(false);
+    tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }

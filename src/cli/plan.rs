@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use serde_json::{Value, json};
@@ -9,9 +10,8 @@ use serde_json::{Value, json};
 use super::exit_code::CliError;
 use super::job_options::{define, setting};
 use super::{scene_file, terminal};
-use crate::evaluation::{DEFAULT_ERROR, Survey, Trial};
-use crate::farm::coordinator::request::choose_method;
-use crate::farm::job::{JobRequest, StopRule};
+use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, Survey, Trial};
+use crate::farm::method_choice::try_methods;
 use crate::scene::import::load_file;
 use crate::scene::needs::SceneNeeds;
 use crate::scene::prepare::Scene;
@@ -46,14 +46,10 @@ impl Plan {
         scene_file::check_readable(&self.scene)?;
         let scene = Scene::prepare(&load_file(&self.scene, &self.defines)?)?;
         let (needs, size) = (scene.needs(), [scene.width, scene.height]);
-        let mut request = JobRequest {
-            scene: String::new(),
-            method: None,
-            parameters: self.settings.iter().cloned().collect(),
-            stop: StopRule { error: Some(self.error), ..StopRule::default() },
-            seed: 0,
-        };
-        let found = choose_method(&mut request, scene).map_err(|problem| CliError::BadInput(problem.to_string()))?;
+        let parameters = self.settings.iter().cloned().collect();
+        let mut stopwatch = ProcessStopwatch::start().map_err(CliError::failed)?;
+        let found = try_methods(&scene, &parameters, self.error, &mut stopwatch, &AtomicBool::new(false))
+            .map_err(|problem| CliError::BadInput(problem.to_string()))?;
         let text = if self.json { as_json(&needs, size, &found)? } else { as_text(&needs, size, &found) };
         terminal::result(&text)
     }

@@ -67,13 +67,25 @@ fn share_done(status: &JobStatus) -> f64 {
 }
 
 fn description(status: &JobStatus) -> String {
-    if status.state == JobState::Queued {
-        return "waiting for a worker".to_owned();
+    if let Some(since) = status.waiting_for_workers_since {
+        return format!("{} passes, waiting for workers since {}", status.passes_done, time_of_day(since));
+    }
+    match (status.state, &status.paused) {
+        (JobState::Queued, _) => return "waiting for a worker".to_owned(),
+        (JobState::Choosing, _) => return format!("trying methods, {:.0} s", status.seconds),
+        (JobState::Paused, Some(reason)) => return format!("{} passes, {reason}", status.passes_done),
+        _ => {}
     }
     let total = status.passes_total.map(|total| format!(" of {total}")).unwrap_or_default();
     let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
     let error = status.estimated_error.map(|error| format!(", relMSE < {:.2e}", error.bound)).unwrap_or_default();
     format!("{}{total} passes, {}, {:.0} s{left}{error}", status.passes_done, rate(status), status.seconds)
+}
+
+/// Hours, minutes and seconds of a time, in UTC.
+fn time_of_day(unix_seconds: u64) -> String {
+    let [hours, minutes, seconds] = [unix_seconds / 3600 % 24, unix_seconds / 60 % 60, unix_seconds % 60];
+    format!("{hours:02}:{minutes:02}:{seconds:02} UTC")
 }
 
 /// Photons per second in words.

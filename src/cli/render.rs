@@ -7,8 +7,8 @@ use clap::Args;
 
 use super::client::Client;
 use super::exit_code::CliError;
+use super::farm_options::{farm_with_api, threads_per_worker};
 use super::job_options::JobOptions;
-use super::local_farm::{LocalFarm, threads_per_worker};
 use super::outputs::{OutputOptions, default_outputs};
 use super::progress::{Progress, rate};
 use super::{scene_file, signals, terminal, weight_maps};
@@ -54,11 +54,11 @@ impl Render {
         let scene = scene_file::pack(&self.job.scene, &self.job.defines)?;
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
-        let mut farm = LocalFarm::start("127.0.0.1:0", workers, threads).await?;
-        let client = Client::new(&farm.loopback_url())?;
+        let mut farm = farm_with_api(workers, threads).start().await?;
+        let client = Client::new(&farm.url())?;
         let result = tokio::select! {
             result = self.render(&client, scene, workers * threads) => result,
-            failure = farm.failure() => Err(failure),
+            failure = farm.failure() => Err(failure.into()),
         };
         farm.stop().await;
         result

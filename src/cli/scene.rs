@@ -14,7 +14,7 @@ use super::import::notice_json;
 use super::job_options::define;
 use super::{scene_file, terminal};
 use crate::farm::coordinator::request::{ResolvedMethod, resolve_method};
-use crate::farm::job::{JobRequest, StopRule};
+use crate::farm::job::JobRequest;
 use crate::method::SceneTraits;
 use crate::scene::description::{Node, PluginClass, SceneDescription};
 use crate::scene::import::load_file;
@@ -72,8 +72,7 @@ impl Check {
 
 /// What `render` asks for when it is told nothing but the scene.
 fn default_request() -> JobRequest {
-    let stop = StopRule::default();
-    JobRequest { scene: String::new(), method: None, parameters: serde_json::Map::new(), stop, seed: 0 }
+    JobRequest::of_scene("")
 }
 
 /// How many plugins of each kind there are, by class. Shared ones count once.

@@ -31,7 +31,7 @@ impl Watch {
         match status.state {
             JobState::Failed => Err(CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()))),
             JobState::Cancelled => Err(CliError::Failed(format!("job {} was cancelled", status.id))),
-            JobState::Queued | JobState::Running | JobState::Done => Ok(()),
+            _ => Ok(()),
         }
     }
 }

@@ -116,11 +116,11 @@ async fn luminance(
     }
     let submission = JobSubmission {
         scene: Some(picture.scene.clone()),
-        scene_inline: None,
         method: Some(picture.method.clone()),
         parameters,
         stop: StopRule { passes: Some(picture.passes_done), ..StopRule::default() },
         seed: picture.seed,
+        ..JobSubmission::default()
     };
     let job = client.submit(&submission).await?;
     let (status, interrupted) = follow_or_cancel(client, &job.id, progress).await?;

@@ -4,9 +4,10 @@ use clap::Args;
 use tokio_util::sync::CancellationToken;
 
 use super::exit_code::CliError;
-use super::local_farm::threads_per_worker;
+use super::farm_options::threads_per_worker;
 use super::signals;
-use crate::farm::worker::{WorkerError, WorkerOptions, run_worker};
+use crate::farm::prepared_scenes::PreparedScenes;
+use crate::farm::worker::{KEPT_SCENES, WorkerOptions, run_worker};
 
 /// Work for a coordinator.
 ///
@@ -30,6 +31,7 @@ impl Worker {
             coordinator: self.coordinator,
             name: self.name.unwrap_or_else(|| format!("worker-{}", std::process::id())),
             threads: threads_per_worker(self.threads.map(usize::from), 1),
+            scenes: PreparedScenes::new(KEPT_SCENES),
         };
         let shutdown = CancellationToken::new();
         let asked_to_stop = async {
@@ -45,9 +47,6 @@ impl Worker {
             result = run_worker(options, shutdown.clone()) => result,
             () = asked_to_stop => Ok(()),
         };
-        result.map_err(|error| match error {
-            WorkerError::BadAddress { .. } | WorkerError::Refused(_) => CliError::Unreachable(error.to_string()),
-            WorkerError::Start(_) => CliError::failed(error),
-        })
+        result.map_err(CliError::from)
     }
 }

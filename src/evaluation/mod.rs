@@ -35,6 +35,6 @@ pub use reference::{Reference, ReferenceError, ReferencePlace, reference_folders
 pub use run::{Run, RunError, Snapshot, follow, on_threads};
 pub use sample::{Measure, Sample};
 pub use shown::exposure_factor;
-pub use stopwatch::{ProcessStopwatch, Spent, Stopwatch, StopwatchError};
-pub use survey::{DEFAULT_ERROR, Survey, Trial, survey};
+pub use stopwatch::{PoolStopwatch, ProcessStopwatch, Spent, Stopwatch, StopwatchError};
+pub use survey::{DEFAULT_ERROR, Survey, Trial, check_candidates, survey};
 pub use time_shares::{TimeShares, time_shares};

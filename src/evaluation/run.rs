@@ -18,7 +18,7 @@ pub enum RunError {
     /// The method refuses the scene.
     #[error(transparent)]
     Method(#[from] MethodError),
-    /// Never happens: nobody cancels a run.
+    /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// A pass does not fit the estimate.

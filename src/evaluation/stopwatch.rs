@@ -1,5 +1,6 @@
 //! What a run has cost. Processor time is what a busy machine does not falsify as it does the clock's.
 
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Time spent, s.
@@ -35,6 +36,45 @@ impl ProcessStopwatch {
     /// Starts to count.
     pub fn start() -> Result<Self, StopwatchError> {
         Ok(Self { processor: processor_seconds()?, wall: Instant::now() })
+    }
+}
+
+/// Counts the time of the calling rayon pool's threads alone, so that others in the same process do not count. Linux only.
+#[derive(Debug)]
+pub struct PoolStopwatch {
+    threads: Vec<PathBuf>,
+    processor: f64,
+    wall: Instant,
+}
+
+impl PoolStopwatch {
+    /// Starts to count, on a thread of the pool.
+    pub fn start() -> Result<Self, StopwatchError> {
+        let threads = rayon::broadcast(|_| std::fs::read_link("/proc/thread-self"));
+        let threads: Result<Vec<PathBuf>, _> = threads.into_iter().collect();
+        let threads = threads.map_err(|error| StopwatchError { problem: error.to_string() })?;
+        let threads = threads.into_iter().map(|thread| Path::new("/proc").join(thread).join("schedstat")).collect();
+        let mut stopwatch = Self { threads, processor: 0.0, wall: Instant::now() };
+        stopwatch.processor = stopwatch.processor_seconds()?;
+        Ok(stopwatch)
+    }
+
+    fn processor_seconds(&self) -> Result<f64, StopwatchError> {
+        let seconds = |file: &PathBuf| {
+            let text = std::fs::read_to_string(file).map_err(|error| StopwatchError { problem: error.to_string() })?;
+            // The first number is the time on a processor, ns.
+            let time = text.split_whitespace().next().and_then(|nanoseconds| nanoseconds.parse::<f64>().ok());
+            let missing = || StopwatchError { problem: format!("{} has no time", file.display()) };
+            time.map(|nanoseconds| nanoseconds * 1e-9).ok_or_else(missing)
+        };
+        self.threads.iter().map(seconds).sum()
+    }
+}
+
+impl Stopwatch for PoolStopwatch {
+    fn spent(&mut self) -> Result<Spent, StopwatchError> {
+        let processor = self.processor_seconds()? - self.processor;
+        Ok(Spent { processor, wall: self.wall.elapsed().as_secs_f64() })
     }
 }
 

@@ -15,11 +15,13 @@
 //! | x·t·(pixels/small pixels) | processor-seconds to the wanted error |
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::run::{Run, RunError};
 use super::stopwatch::Stopwatch;
 use crate::estimate::ErrorEstimate;
-use crate::method::{self, CheckedMethod, MethodChoice, SceneTraits};
+use crate::method::{self, CheckedMethod, MethodChoice, MethodError, SceneTraits};
+use crate::render::Cancelled;
 use crate::scene::Scene;
 
 /// The methods to choose from. Not the others: the error of `ppm`'s fixed hit points and of the fixed discs of `photon_map` and
@@ -39,6 +41,8 @@ const LONGER: f64 = 4.0;
 const CLOSE: f64 = 4.0;
 /// … and while the next round is at most this share of the best one's expected time.
 const WORTH: f64 = 0.1;
+/// Processor-seconds of all trials after the first round: who asks for the impossible is not given a farm to find out.
+const MOST_SECONDS: f64 = 60.0;
 
 /// How a method did.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,18 +91,20 @@ impl Survey {
     }
 }
 
-/// Tries the candidates on `scene`, with the parameters that `choice` gives each. Runs on the calling rayon pool.
+/// Tries the candidates on `scene`, with the parameters that `choice` gives each, for at most about a minute of processor time. Runs on the
+/// calling rayon pool.
 ///
 /// # Errors
-/// Parameters that no candidate takes, or time that cannot be told.
+/// Parameters that no candidate takes, time that cannot be measured, or `cancel`.
 pub fn survey(
-    scene: Scene,
+    scene: &Scene,
     choice: impl Fn(&str) -> MethodChoice,
     wanted: f64,
     stopwatch: &mut dyn Stopwatch,
+    cancel: &AtomicBool,
 ) -> Result<Survey, RunError> {
     let pixels = scene.pixel_count() as u64;
-    let traits = SceneTraits::of(&scene);
+    let traits = SceneTraits::of(scene);
     let small = Arc::new(scene.with_pixels(SMALL_PIXELS));
     let share = pixels as f64 / small.pixel_count() as f64;
     let (mut racers, mut left_out, mut refused) = (Vec::new(), Vec::new(), None);
@@ -119,20 +125,40 @@ pub fn survey(
     if let (Some(problem), true) = (refused, racers.is_empty()) {
         return Err(problem.into());
     }
-    race(&mut racers, wanted, stopwatch)?;
+    race(&mut racers, wanted, &mut Trials { stopwatch, cancel })?;
     let mut trials: Vec<Trial> = racers.into_iter().map(|racer| racer.finish(wanted, share)).collect();
     trials.sort_by(|a, b| a.expected_seconds.total_cmp(&b.expected_seconds));
     Ok(Survey { wanted, trials, left_out })
 }
 
+/// Whether any method to choose from takes the parameters that `choice` gives it, for a picture of so many pixels.
+///
+/// # Errors
+/// What the first one has against them, when none does.
+pub fn check_candidates(choice: impl Fn(&str) -> MethodChoice, pixels: u64) -> Result<(), MethodError> {
+    let mut first = None;
+    for name in CANDIDATES {
+        match method::check(&choice(name), pixels) {
+            Ok(_) => return Ok(()),
+            Err(problem) => first = first.or(Some(problem)),
+        }
+    }
+    first.map_or(Ok(()), Err)
+}
+
 /// Lets all race for a moment, and the best ones longer, as long as that costs little beside what they promise.
-fn race(racers: &mut [Racer], wanted: f64, stopwatch: &mut dyn Stopwatch) -> Result<(), RunError> {
+fn race(racers: &mut [Racer], wanted: f64, trials: &mut Trials<'_>) -> Result<(), RunError> {
     let (mut round, mut best) = (FIRST_ROUND, f64::INFINITY);
     while round <= WORTH * best || round == FIRST_ROUND {
+        let is_close = |racer: &Racer| round == FIRST_ROUND || racer.hoped_seconds(wanted) <= CLOSE * best;
+        let cost: f64 =
+            racers.iter().map(|racer| if is_close(racer) { round.max(racer.seconds) } else { racer.seconds }).sum();
+        if round > FIRST_ROUND && cost > MOST_SECONDS {
+            break;
+        }
         for racer in racers.iter_mut() {
-            let is_close = round == FIRST_ROUND || racer.hoped_seconds(wanted) <= CLOSE * best;
-            if is_close {
-                racer.run_until(round, stopwatch)?;
+            if is_close(racer) {
+                racer.run_until(round, trials)?;
             }
         }
         best = racers.iter().map(|racer| racer.expected_seconds(wanted)).fold(f64::INFINITY, f64::min);
@@ -142,6 +168,12 @@ fn race(racers: &mut [Racer], wanted: f64, stopwatch: &mut dyn Stopwatch) -> Res
         round *= LONGER;
     }
     Ok(())
+}
+
+/// What all trials share.
+struct Trials<'a> {
+    stopwatch: &'a mut dyn Stopwatch,
+    cancel: &'a AtomicBool,
 }
 
 /// A method in the race.
@@ -161,12 +193,15 @@ impl Racer {
     }
 
     /// Makes pairs of passes until `seconds` were spent.
-    fn run_until(&mut self, seconds: f64, stopwatch: &mut dyn Stopwatch) -> Result<(), RunError> {
-        let start = stopwatch.spent()?.processor - self.seconds;
+    fn run_until(&mut self, seconds: f64, trials: &mut Trials<'_>) -> Result<(), RunError> {
+        let start = trials.stopwatch.spent()?.processor - self.seconds;
         while self.run.passes() < LEAST_PASSES || self.seconds < seconds {
+            if trials.cancel.load(Ordering::Relaxed) {
+                return Err(Cancelled.into());
+            }
             self.run.pass()?;
             self.run.pass()?;
-            self.seconds = stopwatch.spent()?.processor - start;
+            self.seconds = trials.stopwatch.spent()?.processor - start;
         }
         self.error = self.run.error();
         Ok(())

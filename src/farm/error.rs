@@ -1,5 +1,8 @@
 //! What the farm answers when it cannot do what was asked.
 
+use std::time::Duration;
+
+use super::ids::JobId;
 use crate::method::MethodError;
 use crate::scene::error::SceneError;
 
@@ -11,7 +14,7 @@ pub enum FarmError {
     UnknownScene(String),
     /// No job has this id.
     #[error("there is no job \"{0}\"")]
-    UnknownJob(String),
+    UnknownJob(JobId),
     /// The scene cannot be rendered.
     #[error(transparent)]
     BadScene(#[from] SceneError),
@@ -28,7 +31,7 @@ pub enum FarmError {
     },
     /// Nothing has been merged yet.
     #[error("job \"{0}\" has no picture yet; wait for its first shard")]
-    NoPictureYet(String),
+    NoPictureYet(JobId),
     /// More than the coordinator takes.
     #[error("{what} is {found} where at most {limit} is accepted")]
     TooLarge {
@@ -38,6 +41,30 @@ pub enum FarmError {
         found: u64,
         /// How large it may be.
         limit: u64,
+    },
+    /// More than the coordinator takes at the same time.
+    #[error("{problem}; try again later")]
+    Busy {
+        /// What there is too much of.
+        problem: String,
+        /// When to try again.
+        retry_after: Duration,
+    },
+    /// Something that will be there later.
+    #[error("{problem}; ask again")]
+    NotYet {
+        /// What is missing.
+        problem: String,
+        /// When to ask again.
+        retry_after: Duration,
+    },
+    /// The job or scene is in a state that does not allow it.
+    #[error("{problem}; {remedy}")]
+    Conflict {
+        /// What the state is.
+        problem: String,
+        /// What the user can do.
+        remedy: String,
     },
     /// The coordinator is stopping and takes no new work.
     #[error("the coordinator is shutting down; try again when it is back")]

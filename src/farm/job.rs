@@ -1,5 +1,7 @@
 //! What a user asks for and what they are told: requests, states, status.
 
+use std::num::NonZeroU16;
+
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -18,6 +20,53 @@ pub struct StopRule {
     /// looked at after shards that do not depend on the workers, so the picture does not either.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+}
+
+/// A job's share of the farm, 1 to 1000 and 100 by default: beside each other, a job of 200 gets twice the work done that one of 100
+/// gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
+#[serde(try_from = "u16", into = "u16")]
+#[schema(value_type = u16, minimum = 1, maximum = 1000)]
+pub struct Priority(NonZeroU16);
+
+impl Priority {
+    /// What a job has when nothing is said.
+    pub const DEFAULT: Self = match NonZeroU16::new(100) {
+        Some(priority) => Self(priority),
+        None => unreachable!(),
+    };
+    /// The largest.
+    pub const MOST: u16 = 1000;
+
+    /// The number.
+    pub const fn get(self) -> u16 {
+        self.0.get()
+    }
+}
+
+impl Default for Priority {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// A number that is not a priority.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("priority is {0}; give 1 to {most}", most = Priority::MOST)]
+pub struct BadPriority(u16);
+
+impl TryFrom<u16> for Priority {
+    type Error = BadPriority;
+
+    fn try_from(number: u16) -> Result<Self, BadPriority> {
+        NonZeroU16::new(number).filter(|number| number.get() <= Self::MOST).map(Self).ok_or(BadPriority(number))
+    }
+}
+
+impl From<Priority> for u16 {
+    fn from(priority: Priority) -> Self {
+        priority.get()
+    }
 }
 
 /// A job to be made: a scene that was uploaded before, and how to render it.
@@ -39,6 +88,31 @@ pub struct JobRequest {
     /// Seed of all random numbers; 0 by default.
     #[serde(default)]
     pub seed: u64,
+    /// What people call it; at most 200 bytes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Words to find it by; at most 20 of at most 100 bytes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tags: Vec<String>,
+    /// Its share of the farm.
+    #[serde(default)]
+    pub priority: Priority,
+}
+
+impl JobRequest {
+    /// The scene's own integrator, and everything else as it is by default.
+    pub fn of_scene(scene: impl Into<String>) -> Self {
+        Self {
+            scene: scene.into(),
+            method: None,
+            parameters: serde_json::Map::new(),
+            stop: StopRule::default(),
+            seed: 0,
+            name: None,
+            tags: Vec::new(),
+            priority: Priority::DEFAULT,
+        }
+    }
 }
 
 /// What a job is doing.
@@ -47,14 +121,42 @@ pub struct JobRequest {
 pub enum JobState {
     /// Waits for a worker.
     Queued,
+    /// A worker tries methods, because the method is `auto`.
+    Choosing,
     /// Shards are being traced.
     Running,
+    /// Nothing is traced until it is resumed; `paused` says why.
+    Paused,
     /// The stop rule is met.
     Done,
     /// Cannot go on; `error` says why.
     Failed,
     /// Stopped by a user; the picture is kept.
     Cancelled,
+}
+
+impl JobState {
+    /// All states.
+    pub const ALL: [Self; 7] =
+        [Self::Queued, Self::Choosing, Self::Running, Self::Paused, Self::Done, Self::Failed, Self::Cancelled];
+
+    /// Its name in JSON, tables and the store.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Queued => "queued",
+            Self::Choosing => "choosing",
+            Self::Running => "running",
+            Self::Paused => "paused",
+            Self::Done => "done",
+            Self::Failed => "failed",
+            Self::Cancelled => "cancelled",
+        }
+    }
+
+    /// Whether the job stays as it is, unless it is extended.
+    pub const fn is_final(self) -> bool {
+        matches!(self, Self::Done | Self::Failed | Self::Cancelled)
+    }
 }
 
 /// How far a job's picture is from the truth, as its own passes tell it, without a reference. Errors are
@@ -83,8 +185,26 @@ pub struct JobStatus {
     /// What it is doing.
     pub state: JobState,
     /// Why it failed.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
+    /// Why it pauses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paused: Option<String>,
+    /// Since when no worker is there that could trace it, seconds since 1970.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waiting_for_workers_since: Option<u64>,
+    /// What people call it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Words to find it by.
+    #[serde(default)]
+    pub tags: Vec<String>,
+    /// Its share of the farm.
+    #[serde(default)]
+    pub priority: Priority,
+    /// When it was submitted, seconds since 1970.
+    #[serde(default)]
+    pub submitted: u64,
     /// Hash of its scene.
     pub scene: String,
     /// Its method.
@@ -103,7 +223,7 @@ pub struct JobStatus {
     /// Passes merged into the picture.
     pub passes_done: u32,
     /// Passes at which it stops; empty when only seconds count.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub passes_total: Option<u32>,
     /// Photons emitted in merged passes.
     pub photons_emitted: u64,
@@ -112,19 +232,51 @@ pub struct JobStatus {
     /// Wall-clock seconds since the first lease.
     pub seconds: f64,
     /// Estimated seconds left; empty while nothing is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds_left: Option<f64>,
     /// Workers that hold one of its shards now.
     pub workers: u32,
     /// Contributions dropped because they were not finite.
     pub non_finite: u64,
+    /// Shards that a second worker traced to the same bits.
+    #[serde(default)]
+    pub shards_verified: u64,
+    /// Shards for which two workers returned different bits.
+    #[serde(default)]
+    pub shards_mismatched: u64,
     /// How far the picture is from the truth; empty while too few shards are merged.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<EstimatedError>,
     /// Things the user should know, one sentence each.
     pub notices: Vec<String>,
     /// Rises with every change of the picture; the ETag of its images.
     pub picture_version: u64,
+}
+
+/// What a worker is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum WorkerState {
+    /// Waits for work.
+    Idle,
+    /// Holds leases.
+    Working,
+    /// Gets no work for now; `set_aside` says why.
+    SetAside,
+    /// Was not heard of for longer than a lease lives; it may be dead.
+    Silent,
+}
+
+impl WorkerState {
+    /// Its name in JSON and tables.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Working => "working",
+            Self::SetAside => "set_aside",
+            Self::Silent => "silent",
+        }
+    }
 }
 
 /// One worker as the coordinator sees it.
@@ -134,6 +286,8 @@ pub struct WorkerStatus {
     pub id: String,
     /// The name it gave itself.
     pub name: String,
+    /// What it is doing.
+    pub state: WorkerState,
     /// Its rendering threads.
     pub threads: u32,
     /// Shards it delivered that were merged.

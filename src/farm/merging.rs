@@ -8,7 +8,7 @@ use prost::Message;
 
 use super::job::StopRule;
 use super::rules::plan::Plan;
-use super::rules::progress::{MeasuredError, MergedTotals};
+use super::rules::terms::{MeasuredError, MergedTotals};
 use super::wire::{messages, radius, result};
 use crate::estimate::{Estimate, RadiusField, RadiusRule, Tally};
 use crate::render::Pilot;

@@ -38,10 +38,18 @@ pub mod error;
 pub mod http;
 pub mod ids;
 pub mod job;
+pub mod local_farm;
+mod locks;
 pub mod merging;
+pub mod method_choice;
+pub mod prepared_scenes;
 pub mod rules;
 pub mod wire;
 pub mod worker;
 
-pub use coordinator::{CoordinatorHandle, CoordinatorOptions, SceneSummary};
+pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneSummary};
 pub use error::FarmError;
+pub use local_farm::LocalFarm;
+
+/// Target of log lines for people who run a farm; they are shown unless the log is off.
+pub const EVENTS: &str = "photonfarm::events";

@@ -21,7 +21,9 @@ use super::texture::{Texture, TextureReader};
 use crate::math::{Rgb, Vec2, Vec3};
 use instancing::Instancing;
 
-/// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference.
+/// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference. A clone shares all that is
+/// large.
+#[derive(Clone)]
 pub struct Scene {
     /// Picture width, pixels.
     pub width: u32,
@@ -32,13 +34,13 @@ pub struct Scene {
     /// The camera.
     pub camera: Camera,
     /// All surfaces.
-    pub geometry: Geometry,
+    pub geometry: Arc<Geometry>,
     /// All materials; shapes hold indices.
-    pub materials: Vec<Material>,
+    pub materials: Arc<[Material]>,
     /// Their reliefs, by the same indices; empty when there are none at all.
-    pub reliefs: Vec<Option<Relief>>,
+    pub reliefs: Arc<[Option<Relief>]>,
     /// All lights.
-    pub lights: LightTable,
+    pub lights: Arc<LightTable>,
     /// The method that the scene's `<integrator>` asks for; `None` when there is none.
     pub integrator: Option<Integrator>,
     /// Things the user should know, one sentence each (for example a material that was approximated).
@@ -109,14 +111,17 @@ impl Scene {
         let lights = light_table(&geometry, lights, &emitters, &mut textures, description)?;
         check_view(&camera, &geometry, &materials, sensor)?;
         let Film { width, height, .. } = film;
+        let (geometry, lights) = (Arc::new(geometry), Arc::new(lights));
+        let (materials, reliefs) = (materials.into(), reliefs.into());
         Ok(Self { width, height, film, camera, geometry, materials, reliefs, lights, integrator, notices })
     }
 
     /// The same scene with a picture of about `most` pixels, if it has more.
-    pub fn with_pixels(mut self, most: u32) -> Self {
-        self.film.shrink(most);
-        (self.width, self.height) = (self.film.width, self.film.height);
-        self
+    pub fn with_pixels(&self, most: u32) -> Self {
+        let mut scene = self.clone();
+        scene.film.shrink(most);
+        (scene.width, scene.height) = (scene.film.width, scene.film.height);
+        scene
     }
 
     /// How many pixels the picture has.

@@ -1,54 +1,129 @@
-//! Pictures with further layers. What the first surface is like follows from the scene alone: the coordinator looks
-//! itself when someone asks, once a scene, and keeps what it saw. No other picture comes from the coordinator.
+//! Pictures with further layers. What the first surface is like follows from the scene alone: a worker looks when someone asks, once a
+//! scene, and the coordinator keeps what it saw.
 
+use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
+use std::time::Duration;
 
-use super::{CoordinatorHandle, blocking, lock, prepare_scene};
+use tokio::sync::watch;
+use tokio::time::timeout;
+
+use super::CoordinatorHandle;
+use super::shared::{JobRecord, Shared, blocking};
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::estimate::{Estimate, Picture};
 use crate::farm::error::FarmError;
+use crate::farm::ids::JobId;
 use crate::farm::job::JobStatus;
-use crate::render::first_surface::{FirstSurface, first_surface_layers};
+use crate::farm::locks::lock;
+use crate::farm::merging::Merging;
+use crate::farm::rules::Event;
+use crate::render::first_surface::FirstSurface;
+
+/// Scenes whose first surfaces are kept.
+const KEPT: usize = 4;
+/// How long a request waits for a worker to look.
+const PATIENCE: Duration = Duration::from_secs(20);
 
 impl CoordinatorHandle {
-    /// The picture as merged so far, the layers asked for, and the status that belongs to both.
+    /// The picture as merged so far, the layers asked for, and the status that belongs to all of them.
+    ///
+    /// # Errors
+    /// Layers of first surfaces need a worker that looks; without one they are [`FarmError::NotYet`].
     pub async fn picture_with_layers(
         &self,
-        id: &str,
+        id: JobId,
         wanted: &[Layer],
     ) -> Result<(Picture, Vec<PictureLayer>, JobStatus), FarmError> {
-        let (shared, job, wanted) = (self.shared.clone(), self.shared.job(id)?, wanted.to_vec());
+        let (shared, job) = (self.shared.clone(), self.shared.job(id)?);
+        let seen = if wanted.iter().any(|layer| is_of_first_surface(*layer)) {
+            Some(shared.first_surfaces(&job).await?)
+        } else {
+            None
+        };
+        let wanted = wanted.to_vec();
         blocking(move || {
-            let (picture, mut layers, status) = job.with_merged(|merging| {
-                let status = shared.lock().status(&job, shared.now());
-                let layers = wanted.iter().filter_map(|layer| of_estimate(*layer, &merging.estimate));
-                (merging.estimate.picture(), layers.collect::<Vec<_>>(), status)
-            })?;
-            if layers.len() < wanted.len() {
-                let seen = shared.first_surface(&job.description.scene)?;
-                layers.extend(wanted.iter().filter_map(|layer| of_first_surface(*layer, &seen)));
-            }
-            Ok((picture, layers, status))
+            job.with_merged(|merging| {
+                let status = shared.lock().status(&job, &shared.clock);
+                let seen = seen.as_deref().unwrap_or_default();
+                let layer =
+                    |layer: &Layer| of_estimate(*layer, &merging.estimate).or_else(|| of_first_surface(*layer, seen));
+                (merging.estimate.picture(), wanted.iter().filter_map(layer).collect(), status)
+            })
         })
         .await
     }
 }
 
-/// What a scene's pixels see first, once someone has asked.
+/// What the pixels of some scenes see first.
 #[derive(Default)]
-pub(super) struct SeenFirst(Mutex<Option<Arc<[FirstSurface]>>>);
+pub(super) struct SeenFirst {
+    scenes: Mutex<VecDeque<Seen>>,
+    arrived: watch::Sender<u64>,
+}
+
+struct Seen {
+    scene: String,
+    pixels: Arc<[FirstSurface]>,
+}
 
 impl SeenFirst {
-    /// Looks at the scene in `bytes`, or remembers. Whoever asks meanwhile waits.
-    pub(super) fn of(&self, bytes: &[u8]) -> Result<Arc<[FirstSurface]>, FarmError> {
-        let mut seen = lock(&self.0);
-        if let Some(seen) = &*seen {
-            return Ok(seen.clone());
+    /// Keeps what a worker saw.
+    pub(super) fn insert(&self, scene: &str, pixels: Vec<FirstSurface>) {
+        let mut scenes = lock(&self.scenes);
+        scenes.retain(|seen| seen.scene != scene);
+        scenes.push_back(Seen { scene: scene.to_owned(), pixels: pixels.into() });
+        if scenes.len() > KEPT {
+            scenes.pop_front();
         }
-        let found: Arc<[FirstSurface]> = first_surface_layers(&prepare_scene(bytes)?).into();
-        *seen = Some(found.clone());
-        Ok(found)
+        drop(scenes);
+        self.arrived.send_modify(|version| *version += 1);
     }
+
+    fn get(&self, scene: &str) -> Option<Arc<[FirstSurface]>> {
+        lock(&self.scenes).iter().find(|seen| seen.scene == scene).map(|seen| seen.pixels.clone())
+    }
+}
+
+impl Shared {
+    /// What the pixels of a job's scene see first. Lets a worker look if nobody has yet.
+    async fn first_surfaces(&self, job: &JobRecord) -> Result<Arc<[FirstSurface]>, FarmError> {
+        let scene = job.description().scene;
+        let mut arrived = self.seen_first.arrived.subscribe();
+        if let Some(seen) = self.seen_first.get(&scene) {
+            return Ok(seen);
+        }
+        self.apply(Event::FirstSurfacesWanted { job: job.id });
+        let look = async {
+            loop {
+                arrived.mark_unchanged();
+                if let Some(seen) = self.seen_first.get(&scene) {
+                    return Some(seen);
+                }
+                if !self.lock().rules.has_errand(job.id) {
+                    return None;
+                }
+                arrived.changed().await.ok()?;
+            }
+        };
+        timeout(PATIENCE, look).await.ok().flatten().ok_or_else(|| FarmError::NotYet {
+            problem: format!("no worker has looked at the first surfaces of job {} yet", job.id),
+            retry_after: self.options.limits.retry_after(),
+        })
+    }
+}
+
+impl JobRecord {
+    /// Reads the merge state, once something has been merged.
+    fn with_merged<T>(&self, read: impl FnOnce(&Merging) -> T) -> Result<T, FarmError> {
+        let merging = lock(&self.merging);
+        let merged = merging.as_ref().filter(|merging| merging.totals().shards > 0);
+        merged.map(read).ok_or(FarmError::NoPictureYet(self.id))
+    }
+}
+
+fn is_of_first_surface(layer: Layer) -> bool {
+    matches!(layer, Layer::Albedo | Layer::Normal | Layer::Depth)
 }
 
 /// A layer that the estimate holds.

@@ -1,31 +1,12 @@
 //! From what a user asks for to a job that workers can trace: which method, which parameters, when to stop.
 
-use serde_json::{Map, Value};
-
-use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, RunError, Survey, survey};
 use crate::farm::error::FarmError;
 use crate::farm::job::{JobRequest, StopRule};
-use crate::method::{self, CheckedMethod, MethodChoice, MethodError, SceneTraits};
-use crate::scene::{Integrator, Scene};
+use crate::farm::method_choice::{AUTO, DEFAULT_METHOD, choice, without_passed_over};
+use crate::method::{self, CheckedMethod, MethodError, SceneTraits};
+use crate::scene::Integrator;
 
-/// The method of a scene and a request that name none.
-const DEFAULT_METHOD: &str = "sppm";
-/// The name that stands for the method that trials find to be the fastest.
-pub const AUTO: &str = "auto";
-/// Parameters that mean the same for every method. `rr_depth` is not one: it changes the time that a method takes, not the
-/// picture, and what suits path tracing does not suit photons.
-const SHARED_PARAMETERS: [&str; 1] = ["max_depth"];
 const PASSES_LIMIT: u32 = 1 << 31;
-/// Mitsuba's integrators that are methods here under another name.
-const COUNTERPARTS: [(&str, &str); 3] =
-    [("ptracer", "light_tracing"), ("volpath", "path"), ("photonmapper", "photon_map")];
-/// Parameters of Mitsuba's integrators that methods here do not have, and what happens instead.
-const PASSED_OVER: [(&str, &str); 3] = [
-    ("hide_emitters", "lamps are always seen"),
-    ("strict_normals", "directions that shading normals and surfaces disagree on are always dark"),
-    ("samples_per_pass", "the farm cuts passes into shards by itself"),
-];
-
 /// A method that was checked, and what the user should know of the choice.
 pub struct ResolvedMethod {
     /// The method with all parameters.
@@ -37,24 +18,6 @@ pub struct ResolvedMethod {
 /// Whether a request leaves the choice of the method to trials.
 pub fn asks_for_auto(request: &JobRequest) -> bool {
     request.method.as_deref() == Some(AUTO)
-}
-
-/// Tries methods on the scene and names the one that promises the wanted error soonest; what it found.
-///
-/// # Errors
-/// Parameters that no candidate takes.
-pub fn choose_method(request: &mut JobRequest, scene: Scene) -> Result<Survey, FarmError> {
-    let integrator = scene.integrator.as_ref().map(|integrator| without_passed_over(integrator).0);
-    let wanted = request.stop.error.unwrap_or(DEFAULT_ERROR);
-    let internal = |problem: &dyn std::fmt::Display| FarmError::Internal(problem.to_string());
-    let mut stopwatch = ProcessStopwatch::start().map_err(|problem| internal(&problem))?;
-    let found = survey(scene, |name| choice(name, request, integrator.as_ref()), wanted, &mut stopwatch);
-    let found = found.map_err(|problem| match problem {
-        RunError::Method(problem) => FarmError::BadMethod(problem),
-        other => internal(&other),
-    })?;
-    request.method = Some(found.best().map_or(DEFAULT_METHOD.to_owned(), |best| best.method.choice.name.clone()));
-    Ok(found)
 }
 
 /// Chooses the method: the request's, else the scene's integrator, else `sppm`.
@@ -70,7 +33,7 @@ pub fn resolve_method(
     });
     let integrator = integrator.as_ref();
     let wanted = integrator.map_or(DEFAULT_METHOD, |integrator| integrator.name.as_str());
-    let check = |name: &str| method::check(&choice(name, request, integrator), pixels);
+    let check = |name: &str| method::check(&choice(name, &request.parameters, integrator), pixels);
     let method = match (&request.method, check(request.method.as_deref().unwrap_or(wanted))) {
         (_, Ok(method)) => {
             // A method that the user chose does not have the integrator's parameters.
@@ -88,32 +51,6 @@ pub fn resolve_method(
     };
     notices.extend(method::notices(&method, traits));
     Ok(ResolvedMethod { method, notices })
-}
-
-/// The integrator under the name that it has here, without parameters that are passed over, and what to say of those.
-fn without_passed_over(integrator: &Integrator) -> (Integrator, Vec<String>) {
-    let mut own = integrator.clone();
-    if let Some((_, here)) = COUNTERPARTS.iter().find(|(theirs, _)| *theirs == own.name) {
-        own.name = (*here).to_owned();
-    }
-    let mut notices = Vec::new();
-    for (name, instead) in PASSED_OVER {
-        // Where it is off it asks for what happens anyway.
-        if own.parameters.remove(name).is_some_and(|value| value != Value::Bool(false)) {
-            notices.push(format!("The integrator's \"{name}\" is passed over: {instead}."));
-        }
-    }
-    (own, notices)
-}
-
-/// The scene's parameters as far as they are meant for `name`, overridden by the request's.
-fn choice(name: &str, request: &JobRequest, integrator: Option<&Integrator>) -> MethodChoice {
-    let mut parameters: Map<String, Value> = integrator.map(|own| own.parameters.clone()).unwrap_or_default();
-    if integrator.is_some_and(|own| own.name != name) {
-        parameters.retain(|parameter, _| SHARED_PARAMETERS.contains(&parameter.as_str()));
-    }
-    parameters.extend(request.parameters.clone());
-    MethodChoice { name: name.to_owned(), parameters }
 }
 
 /// Checks a stop rule and completes it: without any rule the method's own passes count.
@@ -142,6 +79,26 @@ pub fn check_stop(stop: StopRule) -> Result<(), FarmError> {
             problem: format!("stop.error is {}", stop.error.unwrap_or_default()),
             remedy: "give a relMSE above 0, as 0.01".to_owned(),
         });
+    }
+    Ok(())
+}
+
+/// Bytes that a name may have.
+const NAME_BYTES: usize = 200;
+/// Tags that a job may have, and bytes that each may have.
+const TAGS: usize = 20;
+const TAG_BYTES: usize = 100;
+
+/// Checks name and tags.
+pub fn check_labels(request: &JobRequest) -> Result<(), FarmError> {
+    if request.name.as_ref().is_some_and(|name| name.len() > NAME_BYTES) {
+        let problem = "the name is too long".to_owned();
+        return Err(FarmError::BadRequest { problem, remedy: format!("give at most {NAME_BYTES} bytes") });
+    }
+    if request.tags.len() > TAGS || request.tags.iter().any(|tag| tag.is_empty() || tag.len() > TAG_BYTES) {
+        let problem = "the tags are too many or too long, or one is empty".to_owned();
+        let remedy = format!("give at most {TAGS} tags of 1 to {TAG_BYTES} bytes");
+        return Err(FarmError::BadRequest { problem, remedy });
     }
     Ok(())
 }

@@ -2,53 +2,78 @@
 
 use std::time::Duration;
 
-use super::{JobRecord, State};
+use super::shared::{Clock, JobFacts, JobRecord, State};
 use crate::estimate::ErrorEstimate;
 use crate::estimate::error::CONFIDENCE;
-use crate::farm::job::{EstimatedError, JobState, JobStatus, StopRule, WorkerStatus};
-use crate::farm::rules::progress::MeasuredError;
+use crate::farm::ids::WorkerId;
+use crate::farm::job::{EstimatedError, JobState, JobStatus, WorkerState, WorkerStatus};
+use crate::farm::locks::lock;
+use crate::farm::method_choice::AUTO;
 use crate::farm::rules::roster::WorkerRecord;
-use crate::farm::wire::lease::JobDescription;
+use crate::farm::rules::terms::MeasuredError;
 
 impl State {
-    /// How a job is doing at `now`.
-    pub(super) fn status(&self, job: &JobRecord, now: Duration) -> JobStatus {
-        let status = job.description.status(job.stop);
-        let Some(progress) = self.schedule.job(job.number) else { return status };
-        let seconds = progress.seconds(now);
-        let totals = progress.totals;
-        let mut workers: Vec<u64> = self.schedule.leases().of_job(job.number).map(|lease| lease.worker).collect();
+    /// How a job is doing now.
+    pub(super) fn status(&self, job: &JobRecord, clock: &Clock) -> JobStatus {
+        let facts = lock(&job.facts);
+        let Some(progress) = self.rules.job(job.id) else {
+            // It has ended: only what people call it changes.
+            let labels = facts.status();
+            let last = job.status.borrow().clone();
+            return JobStatus { name: labels.name, tags: labels.tags, priority: labels.priority, ..last };
+        };
+        let now = clock.now();
+        let (seconds, totals) = (progress.seconds(now), progress.totals);
+        let mut workers: Vec<WorkerId> = self.rules.leases().of_job(job.id).map(|lease| lease.worker).collect();
         workers.sort_unstable();
         workers.dedup();
+        let waits = !progress.has_ended() && progress.state != JobState::Paused;
+        let deserted = self.rules.deserted_since().filter(|_| waits);
         JobStatus {
             state: progress.state,
             error: progress.error.clone(),
+            paused: progress.pause.as_ref().map(ToString::to_string),
+            waiting_for_workers_since: deserted.map(|since| clock.unix(since).as_secs()),
             passes_done: totals.passes,
             photons_emitted: totals.photons_emitted,
             photons_per_second: if seconds > 0.0 { totals.photons_emitted as f64 / seconds } else { 0.0 },
             seconds,
-            seconds_left: progress.seconds_left(now),
-            workers: workers.len() as u32,
+            seconds_left: progress.seconds_left(now).filter(|_| deserted.is_none()),
+            workers: if deserted.is_some() { 0 } else { workers.len() as u32 },
             non_finite: totals.non_finite,
+            shards_verified: progress.checks.verified,
+            shards_mismatched: progress.checks.mismatched,
             estimated_error: totals.error.map(estimated_error),
-            notices: progress.notices.clone(),
+            notices: progress.terms.notices.clone(),
             picture_version: totals.shards,
-            ..status
+            ..facts.status()
         }
     }
 
     /// All workers at `now`.
-    pub(super) fn workers(&self, now: Duration) -> Vec<WorkerStatus> {
-        let status = |(id, worker): (u64, &WorkerRecord)| WorkerStatus {
-            id: id.to_string(),
-            name: worker.name.clone(),
-            threads: worker.threads,
-            shards_done: worker.shards_done,
-            leases: self.schedule.leases().of_worker(id).count() as u32,
-            idle_seconds: now.saturating_sub(worker.last_heard).as_secs_f64(),
-            set_aside: worker.set_aside(now).map(str::to_owned),
+    pub(super) fn workers(&self, now: Duration, silence: Duration) -> Vec<WorkerStatus> {
+        let status = |(id, worker): (WorkerId, &WorkerRecord)| {
+            let leases = self.rules.leases().of_worker(id).count() as u32;
+            let idle = now.saturating_sub(worker.last_heard);
+            let set_aside = worker.set_aside(now).map(str::to_owned);
+            let state = match (idle >= silence, &set_aside, leases) {
+                (true, _, _) => WorkerState::Silent,
+                (_, Some(_), _) => WorkerState::SetAside,
+                (_, None, 0) => WorkerState::Idle,
+                (_, None, _) => WorkerState::Working,
+            };
+            WorkerStatus {
+                id: id.to_string(),
+                name: worker.name.clone(),
+                state,
+                threads: worker.threads,
+                shards_done: worker.shards_done,
+                leases,
+                idle_seconds: idle.as_secs_f64(),
+                set_aside,
+            }
         };
-        self.schedule.roster().iter().map(status).collect()
+        self.rules.roster().iter().map(status).collect()
     }
 }
 
@@ -57,30 +82,43 @@ fn estimated_error(measured: MeasuredError) -> EstimatedError {
     EstimatedError { passes: measured.passes, relmse: noise + bias, noise, bias, bound, confidence: CONFIDENCE }
 }
 
-impl JobDescription {
+impl JobFacts {
     /// The status of a job of which nothing is known but what was asked for.
-    pub(super) fn status(&self, stop: StopRule) -> JobStatus {
+    pub(super) fn status(&self) -> JobStatus {
+        let Self { request, description, terms, submitted, .. } = self;
+        let (method, parameters) = match &description.method {
+            Some(method) => (method.choice.name.clone(), method.choice.parameters.clone()),
+            None => (AUTO.to_owned(), request.parameters.clone()),
+        };
         JobStatus {
-            id: self.id.clone(),
+            id: description.id.to_string(),
             state: JobState::Queued,
             error: None,
-            scene: self.scene.clone(),
-            method: self.method.choice.name.clone(),
-            parameters: self.method.choice.parameters.clone(),
-            stop,
-            seed: self.seed,
-            width: self.width,
-            height: self.height,
+            paused: None,
+            waiting_for_workers_since: None,
+            name: request.name.clone(),
+            tags: request.tags.clone(),
+            priority: request.priority,
+            submitted: *submitted,
+            scene: description.scene.clone(),
+            method,
+            parameters,
+            stop: terms.stop,
+            seed: description.seed,
+            width: description.width,
+            height: description.height,
             passes_done: 0,
-            passes_total: stop.passes,
+            passes_total: terms.stop.passes,
             photons_emitted: 0,
             photons_per_second: 0.0,
             seconds: 0.0,
-            seconds_left: stop.seconds,
+            seconds_left: terms.stop.seconds,
             workers: 0,
             non_finite: 0,
+            shards_verified: 0,
+            shards_mismatched: 0,
             estimated_error: None,
-            notices: Vec::new(),
+            notices: terms.notices.clone(),
             picture_version: 0,
         }
     }

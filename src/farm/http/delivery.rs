@@ -1,105 +1,93 @@
-//! What happens to a result: it is decoded and judged without locks, taken or refused by the schedule, and merged.
+//! What happens to a result: it is decoded and judged without locks, then the coordinator takes it or does not.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use axum::http::StatusCode;
+use prost::Message;
 
-use super::Problem;
-use crate::estimate::Tally;
-use crate::farm::coordinator::{JobRecord, Shared, lock};
-use crate::farm::merging::Merging;
+use super::problem::Problem;
+use crate::farm::coordinator::{Delivered, Delivery, JobRecord, Payload, Shared};
+use crate::farm::ids::{Fencing, LeaseId, WorkerId};
+use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
-use crate::farm::rules::schedule::{Outcome, ResultAnswer};
-use crate::farm::wire::messages::result_request::Outcome as Delivered;
+use crate::farm::rules::{Answer, Outcome};
+use crate::farm::wire::messages::result_request::Outcome as Sent;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
-use crate::farm::wire::{WireError, result};
-use crate::render::Pilot;
-
-/// A result that fits its work.
-enum Payload {
-    Pilot(Pilot),
-    Tally(Tally, messages::Tally),
-}
+use crate::farm::wire::{WireError, first_surfaces, result};
 
 /// Takes a worker's result. Blocks while it decodes and merges.
 pub(super) fn deliver(shared: &Shared, request: ResultRequest) -> Result<ResultResponse, Problem> {
-    let (worker, id, fencing) = (request.worker, request.lease, request.fencing);
-    let lease = shared.lock().schedule.leases().get(id).copied();
-    let record = |outcome: &Outcome| shared.change(|schedule, now| schedule.result(now, worker, id, fencing, outcome));
-    let Some(lease) = lease else {
-        // The lease has ended; the schedule knows whether well or badly, whatever the result holds.
-        return answer(record(&Outcome::Accepted));
+    let delivery = Delivery {
+        worker: WorkerId::new(request.worker),
+        lease: LeaseId::new(request.lease),
+        fencing: Fencing::new(request.fencing),
     };
-    let job = shared.job(&format!("job-{}", lease.job))?;
-    if let Some(Delivered::Failure(problem)) = &request.outcome {
-        return answer(record(&Outcome::Failed(shorten(problem))));
+    let lease = shared.lock().rules.leases().get(delivery.lease).copied();
+    let Some(lease) = lease else {
+        // The lease has ended; the rules know whether well or badly, whatever the result holds.
+        return answer(shared.record_result(delivery, Outcome::Accepted(None)));
+    };
+    let job = shared.job(lease.job)?;
+    if let Some(Sent::Failure(problem)) = &request.outcome {
+        return answer(shared.record_result(delivery, Outcome::Failed(shorten(problem))));
     }
-    match payload(&job, &lease, request.outcome) {
-        Ok(payload) => take(shared, &job, payload, || record(&Outcome::Accepted)),
-        Err(problem) => match record(&Outcome::Refused(problem.to_string())) {
-            ResultAnswer::Noted => Err(Problem::new(StatusCode::UNPROCESSABLE_ENTITY, problem.to_string())),
+    let digest = shared.lock().rules.wants_digest(&lease).then(|| digest(request.outcome.as_ref()));
+    match decode(&job, &lease, request.outcome) {
+        Ok(payload) => match shared.take_result(&job, delivery, payload, digest) {
+            Delivered::Taken => Ok(ResultResponse { already_merged: false }),
+            Delivered::AlreadyMerged => Ok(ResultResponse { already_merged: true }),
+            Delivered::Fenced => Err(fenced()),
+        },
+        Err(problem) => match shared.record_result(delivery, Outcome::Refused(problem.to_string())) {
+            Answer::Recorded => Err(Problem::new(StatusCode::UNPROCESSABLE_ENTITY, problem.to_string())),
             other => answer(other),
         },
     }
 }
 
-fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Delivered>) -> Result<Payload, WireError> {
-    let (width, height) = (job.description.width, job.description.height);
+/// Decodes and checks. A fault in here is the result's, not the job's.
+fn decode(job: &JobRecord, lease: &Lease, outcome: Option<Sent>) -> Result<Payload, WireError> {
+    catch_unwind(AssertUnwindSafe(|| payload(job, lease, outcome)))
+        .unwrap_or_else(|_| Err(WireError::Malformed("it cannot even be refused properly".to_owned())))
+}
+
+fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Sent>) -> Result<Payload, WireError> {
+    let description = job.description();
+    let (width, pixels) = (description.width, description.width as usize * description.height as usize);
     match (lease.work, outcome.ok_or(WireError::Missing("outcome"))?) {
-        (Work::Pilot, Delivered::Pilot(message)) => {
-            Ok(Payload::Pilot(result::decode_pilot(&message, width as usize * height as usize)?))
+        (Work::Choice, Sent::Choice(messages::Choice { method, reason })) => {
+            Ok(Payload::Choice { method, reason: shorten(&reason) })
         }
-        (Work::Shard(_, planned), Delivered::Tally(message)) => {
+        (Work::Pilot, Sent::Pilot(message)) => Ok(Payload::Pilot(result::decode_pilot(&message, pixels)?)),
+        (Work::Shard(_, planned) | Work::Check(_, planned), Sent::Tally(message)) => {
             Ok(Payload::Tally(result::decode_checked_tally(&message, planned.shard, width)?, message))
+        }
+        (Work::FirstSurfaces, Sent::FirstSurfaces(message)) => {
+            Ok(Payload::FirstSurfaces(first_surfaces::decode(&message, pixels)?))
         }
         _ => Err(WireError::Impossible { field: "outcome", problem: "it is of another kind than the lease".into() }),
     }
 }
 
-/// Lets the schedule decide under the merge state's lock, so that what it takes is merged before anything else of the job.
-fn take(
-    shared: &Shared,
-    job: &JobRecord,
-    payload: Payload,
-    decide: impl FnOnce() -> ResultAnswer,
-) -> Result<ResultResponse, Problem> {
-    let mut merging = lock(&job.merging);
-    let decided = decide();
-    let ResultAnswer::Take(lease) = decided else { return answer(decided) };
-    let merged = match (payload, merging.as_mut(), lease.work) {
-        (Payload::Pilot(pilot), _, _) => {
-            *merging = Some(begin(shared, job, &pilot));
-            Ok(())
-        }
-        (Payload::Tally(tally, message), Some(merging), Work::Shard(index, _)) => {
-            let merged = merging.add(index, &tally, message);
-            let totals = merging.totals();
-            shared.change(|schedule, now| schedule.merged(now, job.number, totals));
-            merged
-        }
-        _ => Err("a tally came before the pilot".to_owned()),
+/// All bits of a tally. Equal builds compress alike, so the message says as much as the numbers.
+fn digest(outcome: Option<&Sent>) -> Digest {
+    let bytes = match outcome {
+        Some(Sent::Tally(tally)) => tally.encode_to_vec(),
+        _ => Vec::new(),
     };
-    if let Err(problem) = merged {
-        tracing::error!(job = job.description.id, problem, "a tally cannot be merged");
-        shared.change(|schedule, now| schedule.fail(now, job.number, &problem));
-    }
-    Ok(ResultResponse { already_merged: false })
+    Digest(*blake3::hash(&bytes).as_bytes())
 }
 
-fn begin(shared: &Shared, job: &JobRecord, pilot: &Pilot) -> Merging {
-    let method = &job.description.method;
-    let (width, height) = (job.description.width, job.description.height);
-    let merging = Merging::new(width, height, pilot, &job.stop, method.radius_rule, method.alpha);
-    let plan = merging.plan.clone();
-    tracing::info!(job = job.description.id, cost_per_pass = pilot.cost_per_pass, ?plan, "pilot done");
-    shared.change(|schedule, now| schedule.pilot_done(now, job.number, plan));
-    merging
-}
-
-fn answer(answer: ResultAnswer) -> Result<ResultResponse, Problem> {
+fn answer(answer: Answer) -> Result<ResultResponse, Problem> {
     match answer {
-        ResultAnswer::Take(_) | ResultAnswer::Noted => Ok(ResultResponse { already_merged: false }),
-        ResultAnswer::AlreadyMerged => Ok(ResultResponse { already_merged: true }),
-        ResultAnswer::Fenced => Err(Problem::new(StatusCode::CONFLICT, "this lease is not this worker's any more")),
+        Answer::AlreadyMerged => Ok(ResultResponse { already_merged: true }),
+        Answer::Fenced => Err(fenced()),
+        _ => Ok(ResultResponse { already_merged: false }),
     }
+}
+
+fn fenced() -> Problem {
+    Problem::new(StatusCode::CONFLICT, "this lease is not this worker's any more")
 }
 
 /// A worker's message is shown to users: its first thousand characters are enough.

@@ -12,7 +12,10 @@
 //! A worker that the coordinator does not know (any more) gets 410 and registers again. Problems are plain text.
 
 mod delivery;
+mod problem;
 
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use axum::Router;
@@ -24,15 +27,19 @@ use axum::routing::{get, post};
 use prost::Message;
 use tokio::time::{Instant, timeout_at};
 
-use crate::farm::coordinator::{CoordinatorHandle, lock};
-
+use crate::farm::coordinator::{CoordinatorHandle, Shared, blocking};
 use crate::farm::error::FarmError;
-use crate::farm::rules::schedule::LeaseAnswer;
+use crate::farm::ids::{JobId, LeaseId, WorkerId};
+use crate::farm::locks::lock;
+use crate::farm::rules::lease::{Lease, Work};
+use crate::farm::rules::{Answer, Event};
+use crate::farm::wire::lease::{LeasedWork, ShardTerms, WorkerLease};
 use crate::farm::wire::messages::{
     HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse,
     ReleaseRequest, ResultRequest,
 };
 use crate::farm::wire::{self, WireError};
+use problem::Problem;
 
 /// How long a worker waits for work before it is told that there is none.
 const LEASE_WAIT: Duration = Duration::from_secs(10);
@@ -44,48 +51,6 @@ const RESULT_LIMIT: usize = 512 << 20;
 const MESSAGE_LIMIT: usize = 1 << 20;
 /// The longest name of a worker, bytes.
 const NAME_LIMIT: usize = 200;
-
-/// A problem as the worker reads it.
-pub(super) struct Problem {
-    status: StatusCode,
-    text: String,
-}
-
-impl Problem {
-    pub(super) fn new(status: StatusCode, text: impl Into<String>) -> Self {
-        Self { status, text: text.into() }
-    }
-
-    /// The worker must register first.
-    pub(super) fn unknown_worker() -> Self {
-        Self::new(StatusCode::GONE, "this worker is not registered; register again")
-    }
-}
-
-impl From<FarmError> for Problem {
-    fn from(error: FarmError) -> Self {
-        let status = match error {
-            FarmError::UnknownScene(_) | FarmError::UnknownJob(_) | FarmError::NoPictureYet(_) => StatusCode::NOT_FOUND,
-            FarmError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
-            FarmError::ShuttingDown => StatusCode::SERVICE_UNAVAILABLE,
-            FarmError::Internal(_) => StatusCode::INTERNAL_SERVER_ERROR,
-            _ => StatusCode::BAD_REQUEST,
-        };
-        Self::new(status, error.to_string())
-    }
-}
-
-impl From<WireError> for Problem {
-    fn from(error: WireError) -> Self {
-        Self::new(StatusCode::BAD_REQUEST, error.to_string())
-    }
-}
-
-impl IntoResponse for Problem {
-    fn into_response(self) -> Response {
-        (self.status, self.text).into_response()
-    }
-}
 
 /// Routes for workers: register, lease, heartbeat, result, release, scenes and radius fields.
 pub fn router(coordinator: CoordinatorHandle) -> Router {
@@ -124,38 +89,29 @@ async fn register(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> 
         return Err(Problem::new(StatusCode::BAD_REQUEST, text));
     }
     let shared = &coordinator.shared;
-    let worker = shared.change(|schedule, now| schedule.register(now, &request.name, request.threads));
-    tracing::info!(
-        worker,
-        name = request.name,
-        threads = request.threads,
-        features = request.features,
-        "worker registered"
-    );
+    tracing::debug!(name = request.name, features = request.features, "worker registers");
+    let joined = shared.apply(Event::WorkerJoined { name: request.name, threads: request.threads });
+    let Answer::Joined(worker) = joined else { return Err(Problem::unknown_worker()) };
     let lease_milliseconds = shared.options.lease_duration.as_millis() as u32;
-    Ok(written(&RegisterResponse { worker, lease_milliseconds }))
+    Ok(written(&RegisterResponse { worker: worker.number(), lease_milliseconds }))
 }
 
 async fn lease(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<Response, Problem> {
     let request: LeaseRequest = read(body)?;
-    let shared = &coordinator.shared;
+    let (shared, worker) = (&coordinator.shared, WorkerId::new(request.worker));
     let mut work = shared.work.subscribe();
     let deadline = Instant::now() + LEASE_WAIT;
     loop {
         work.mark_unchanged();
-        match shared.change(|schedule, now| schedule.lease(now, request.worker)) {
-            LeaseAnswer::UnknownWorker => return Err(Problem::unknown_worker()),
-            LeaseAnswer::Drain => return Ok(written(&LeaseResponse { lease: None, drain: true })),
-            LeaseAnswer::Granted(lease) => {
-                let id = format!("job-{}", lease.job);
-                let job = shared.job(&id)?;
-                let lease = wire::lease::encode_lease(lease.id, lease.fencing, &job.description, lease.work);
+        match shared.apply(Event::LeaseWanted { worker }) {
+            Answer::UnknownWorker => return Err(Problem::unknown_worker()),
+            Answer::Draining => return Ok(written(&LeaseResponse { lease: None, drain: true })),
+            Answer::Granted(lease) => {
+                let lease = wire::lease::encode_lease(&granted(shared, &lease)?);
                 return Ok(written(&LeaseResponse { lease: Some(lease), drain: false }));
             }
-            LeaseAnswer::Nothing if Instant::now() >= deadline => {
-                return Ok(written(&LeaseResponse { lease: None, drain: false }));
-            }
-            LeaseAnswer::Nothing => {
+            _ if Instant::now() >= deadline => return Ok(written(&LeaseResponse { lease: None, drain: false })),
+            _ => {
                 let check = Instant::now() + LEASE_CHECK;
                 let _ = timeout_at(check.min(deadline), work.changed()).await;
             }
@@ -163,23 +119,39 @@ async fn lease(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Res
     }
 }
 
+/// A lease as the worker reads it.
+fn granted(shared: &Arc<Shared>, lease: &Lease) -> Result<WorkerLease, FarmError> {
+    let job = shared.job(lease.job)?;
+    let work = match lease.work {
+        Work::Choice => LeasedWork::Choice(shared.choice_terms(&job)),
+        Work::Pilot => LeasedWork::Pilot,
+        Work::Shard(_, planned) | Work::Check(_, planned) => {
+            LeasedWork::Shard(ShardTerms { planned, generation: job.generation.load(Ordering::Relaxed) })
+        }
+        Work::FirstSurfaces => LeasedWork::FirstSurfaces,
+    };
+    Ok(WorkerLease { id: lease.id, fencing: lease.fencing, job: job.description(), work })
+}
+
 async fn heartbeat(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<Response, Problem> {
     let request: HeartbeatRequest = read(body)?;
-    let answer = coordinator.shared.change(|schedule, now| schedule.heartbeat(now, request.worker, &request.leases));
-    let answer = answer.ok_or_else(Problem::unknown_worker)?;
-    Ok(written(&HeartbeatResponse { cancelled: answer.cancelled, drain: answer.drain }))
+    let leases = request.leases.into_iter().map(LeaseId::new).collect();
+    match coordinator.shared.apply(Event::HeartbeatCame { worker: WorkerId::new(request.worker), leases }) {
+        Answer::Alive { cancelled, drain } => {
+            let cancelled = cancelled.into_iter().map(LeaseId::number).collect();
+            Ok(written(&HeartbeatResponse { cancelled, drain }))
+        }
+        _ => Err(Problem::unknown_worker()),
+    }
 }
 
 async fn release(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<StatusCode, Problem> {
     let request: ReleaseRequest = read(body)?;
-    coordinator.shared.change(|schedule, now| {
-        schedule.release(now, request.worker, &request.leases);
-        if request.leaving {
-            schedule.worker_gone(request.worker);
-        }
-    });
+    let worker = WorkerId::new(request.worker);
+    let leases = request.leases.into_iter().map(LeaseId::new).collect();
+    coordinator.shared.apply(Event::LeasesReleased { worker, leases });
     if request.leaving {
-        tracing::info!(worker = request.worker, "worker left");
+        coordinator.shared.apply(Event::WorkerLeft { worker });
     }
     Ok(StatusCode::OK)
 }
@@ -197,23 +169,22 @@ async fn result(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Re
 }
 
 async fn scene(State(coordinator): State<CoordinatorHandle>, Path(hash): Path<String>) -> Result<Response, Problem> {
-    let bytes = coordinator.scene_bytes(&hash)?;
+    let bytes = coordinator.scene_bytes(&hash).await?;
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], Bytes::from_owner(bytes)).into_response())
 }
 
 async fn radius_field(
     State(coordinator): State<CoordinatorHandle>,
-    Path((id, epoch, region)): Path<(String, u32, u32)>,
+    Path((id, epoch, region)): Path<(JobId, u32, u32)>,
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
-    let job = coordinator.shared.job(&id)?;
-    let tag = format!("\"{id}-{epoch}-{region}\"");
+    let job = coordinator.shared.job(id)?;
+    let tag = format!("\"{id}-{}-{epoch}-{region}\"", job.generation.load(Ordering::Relaxed));
     if headers.get(header::IF_NONE_MATCH).is_some_and(|known| known.as_bytes() == tag.as_bytes()) {
         return Ok(StatusCode::NOT_MODIFIED.into_response());
     }
-    let message = crate::farm::coordinator::blocking(move || {
-        Ok(lock(&job.merging).as_ref().and_then(|merging| merging.field_message(epoch, region)))
-    });
+    let message =
+        blocking(move || Ok(lock(&job.merging).as_ref().and_then(|merging| merging.field_message(epoch, region))));
     let missing = || Problem::new(StatusCode::NOT_FOUND, format!("no radii of epoch {epoch}, region {region}"));
     let message = message.await?.ok_or_else(missing)?;
     let mut response = message.into_response();

@@ -40,6 +40,8 @@ pub struct Plan {
     pub height: u32,
     /// Bands from top to bottom, each of at most 4 Mpixel (or one row).
     pub regions: Vec<Region>,
+    /// What one pass of the largest region costs, nominal microseconds of one core.
+    pub cost_per_pass: u64,
     /// Passes of a full-grown shard, at least 1.
     pub passes_per_shard: u32,
     /// Shards of one region in an epoch.
@@ -74,6 +76,7 @@ impl Plan {
             width,
             height,
             regions,
+            cost_per_pass: cost,
             passes_per_shard: (SHARD_COST / cost).clamp(1, 1 << 20) as u32,
             shards_per_epoch: SHARDS_PER_EPOCH,
             epoch_lag: EPOCH_LAG,
@@ -144,6 +147,13 @@ impl Plan {
         }
     }
 
+    /// The first shard whose radius field still exists when `merged` shards are merged.
+    pub fn first_with_radii(&self, merged: u64) -> u64 {
+        let kept = self.field_epoch(self.epoch_of(merged));
+        // Every epoch before `epoch_lag + 1` is traced with the first field.
+        if kept == 0 { 0 } else { self.epoch_start(kept) }
+    }
+
     /// Shards that must be merged before every region has a pass.
     pub fn shards_until_covered(&self) -> u64 {
         let per_region = u64::from(self.passes.min(self.shards_per_epoch));
@@ -155,6 +165,21 @@ impl Plan {
         let is_half_a_pair = |planned: PlannedShard| planned.shard.twin() == Twin::Even && planned.shard.passes > 1;
         let last = end.checked_sub(1).and_then(|last| self.shard(last));
         if last.is_some_and(is_half_a_pair) { end + 1 } else { end }
+    }
+
+    /// How many shards from the first one on are the same in every longer job of this kind: only the state after so many of them can
+    /// be continued to more passes.
+    pub fn shards_of_longer_jobs(&self) -> u64 {
+        let longer = Self { passes: PASSES_LIMIT, ..self.clone() };
+        let (last_epoch, _) = self.last_epoch();
+        (self.epoch_start(last_epoch)..self.shard_count())
+            .find(|index| self.shard(*index) != longer.shard(*index))
+            .unwrap_or_else(|| self.shard_count())
+    }
+
+    /// The same cut with another end.
+    pub fn with_passes(&self, passes: Option<u32>) -> Self {
+        Self { passes: passes.unwrap_or(PASSES_LIMIT).clamp(1, PASSES_LIMIT), ..self.clone() }
     }
 
     /// Shards of one region in `epoch`, which starts at pass `start`.
@@ -227,5 +252,21 @@ mod tests {
         let short = Plan::new(64, 64, 100_000, Some(end), RadiusRule::Statistics);
         assert_eq!(short.shard_count(), 40);
         assert!((0..40).all(|index| short.shard(index) == long.shard(index)));
+    }
+
+    /// Shards that are cut short by a job's end are no shards of a longer one, and neither is what follows them.
+    #[test]
+    fn what_a_longer_job_shares_ends_at_the_first_shard_that_is_cut_short() {
+        for (height, cost) in [(64, 30_000), (64, 1), (9000, 1_000_000)] {
+            let endless = Plan::new(2048, height, cost, None, RadiusRule::Statistics);
+            for passes in 1..200 {
+                let short = Plan::new(2048, height, cost, Some(passes), RadiusRule::Statistics);
+                let shared = short.shards_of_longer_jobs();
+                assert!((0..shared).all(|index| short.shard(index) == endless.shard(index)), "{short:?}");
+                let is_cut = shared == short.shard_count() || short.shard(shared) != endless.shard(shared);
+                assert!(is_cut, "{short:?}: {shared}");
+                assert_eq!(short.with_passes(None), endless);
+            }
+        }
     }
 }

@@ -3,14 +3,54 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use crate::farm::ids::{JobId, WorkerId};
+
 /// Failures in a row after which a worker is set aside.
 const FAILURES_BEFORE_PAUSE: u32 = 3;
 /// The first pause; it doubles every time.
 const FIRST_PAUSE: Duration = Duration::from_secs(5);
 /// Doublings after which pauses stay the same (5 s · 2⁶ ≈ 5 min).
 const PAUSE_DOUBLINGS: u32 = 6;
+/// How long a worker is set aside that returned wrong bits.
+pub const WRONG_BITS_PAUSE: Duration = Duration::from_secs(3600);
 
-/// What the schedule knows of a worker.
+/// For how long no work is given, and why.
+#[derive(Clone, Debug, PartialEq)]
+struct Pause {
+    until: Duration,
+    reason: String,
+}
+
+/// Failures in a row, and the pauses that came of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Trust {
+    failures_in_row: u32,
+    pauses: u32,
+    pause: Option<Pause>,
+}
+
+impl Trust {
+    fn set_aside(&self, now: Duration) -> Option<&str> {
+        self.pause.as_ref().filter(|pause| now < pause.until).map(|pause| pause.reason.as_str())
+    }
+
+    /// Answers the pause if this failure begins one.
+    fn failed(&mut self, now: Duration, problem: &str) -> Option<Duration> {
+        self.failures_in_row += 1;
+        if self.failures_in_row < FAILURES_BEFORE_PAUSE {
+            return None;
+        }
+        let length = FIRST_PAUSE * (1 << self.pauses.min(PAUSE_DOUBLINGS));
+        let reason = format!("{} results in a row failed; the last: {problem}", self.failures_in_row);
+        self.pause = Some(Pause { until: now + length, reason });
+        self.pauses += 1;
+        // The first failure after a pause begins the next one.
+        self.failures_in_row = FAILURES_BEFORE_PAUSE - 1;
+        Some(length)
+    }
+}
+
+/// What the rules know of a worker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkerRecord {
     /// The name it gave itself.
@@ -21,101 +61,147 @@ pub struct WorkerRecord {
     pub last_heard: Duration,
     /// Results of its that were taken.
     pub shards_done: u64,
-    failures_in_row: u32,
-    pauses: u32,
-    pause: Option<(Duration, String)>,
+    /// Whether its silence was logged.
+    pub is_silent: bool,
+    farm: Trust,
+    jobs: BTreeMap<JobId, Trust>,
 }
 
 impl WorkerRecord {
-    /// Why it gets no work at `now`.
+    /// Why it gets no work at all at `now`.
     pub fn set_aside(&self, now: Duration) -> Option<&str> {
-        self.pause.as_ref().filter(|(until, _)| now < *until).map(|(_, reason)| reason.as_str())
+        self.farm.set_aside(now)
+    }
+
+    /// Whether it gets no work of `job` at `now`.
+    pub fn is_set_aside_for(&self, job: JobId, now: Duration) -> bool {
+        self.jobs.get(&job).is_some_and(|trust| trust.set_aside(now).is_some())
     }
 
     /// A result was taken: it is trusted again.
-    pub fn succeeded(&mut self) {
+    pub fn succeeded(&mut self, job: JobId) {
         self.shards_done += 1;
-        self.failures_in_row = 0;
-        self.pauses = 0;
+        self.farm = Trust::default();
+        self.jobs.remove(&job);
     }
 
-    /// A result was refused or the worker reported a failure. Answers the pause if this begins one.
-    pub fn failed(&mut self, now: Duration, problem: &str) -> Option<Duration> {
-        self.failures_in_row += 1;
-        if self.failures_in_row < FAILURES_BEFORE_PAUSE {
-            return None;
-        }
-        let pause = FIRST_PAUSE * (1 << self.pauses.min(PAUSE_DOUBLINGS));
-        let reason = format!("{} results in a row failed; the last: {problem}", self.failures_in_row);
-        self.pause = Some((now + pause, reason));
-        self.pauses += 1;
-        // The first failure after a pause begins the next one.
-        self.failures_in_row = FAILURES_BEFORE_PAUSE - 1;
-        Some(pause)
+    /// A result was refused. Answers the pause if this begins one.
+    pub fn refused(&mut self, now: Duration, problem: &str) -> Option<Duration> {
+        self.farm.failed(now, problem)
+    }
+
+    /// The worker reported that it cannot do some work of `job`. Answers the pause for that job if this begins one.
+    pub fn failed(&mut self, job: JobId, now: Duration, problem: &str) -> Option<Duration> {
+        self.jobs.entry(job).or_default().failed(now, problem)
+    }
+
+    /// It returned other bits than two others.
+    pub fn returned_wrong_bits(&mut self, now: Duration, reason: &str) {
+        self.farm.pause = Some(Pause { until: now + WRONG_BITS_PAUSE, reason: reason.to_owned() });
     }
 }
 
 /// All registered workers.
 #[derive(Debug, Default)]
 pub struct Roster {
-    workers: BTreeMap<u64, WorkerRecord>,
-    next_id: u64,
+    workers: BTreeMap<WorkerId, WorkerRecord>,
+    /// Trust in workers that are gone, by name: one that was set aside does not get away by registering anew.
+    former: BTreeMap<String, Trust>,
+    next_id: WorkerId,
 }
 
 impl Roster {
     /// An empty roster whose ids start at `first_id`.
     pub fn new(first_id: u64) -> Self {
-        Self { next_id: first_id, ..Self::default() }
+        Self { next_id: WorkerId::new(first_id), ..Self::default() }
     }
 
     /// Adds a worker; answers its id.
-    pub fn register(&mut self, now: Duration, name: &str, threads: u32) -> u64 {
+    pub fn join(&mut self, now: Duration, name: &str, threads: u32) -> WorkerId {
         let id = self.next_id;
-        self.next_id += 1;
+        self.next_id = id.next();
         let record = WorkerRecord {
             name: name.to_owned(),
             threads,
             last_heard: now,
             shards_done: 0,
-            failures_in_row: 0,
-            pauses: 0,
-            pause: None,
+            is_silent: false,
+            farm: self.former.remove(name).unwrap_or_default(),
+            jobs: BTreeMap::new(),
         };
         self.workers.insert(id, record);
         id
     }
 
-    /// The worker, with `now` noted as the last time it was heard of.
-    pub fn hear(&mut self, id: u64, now: Duration) -> Option<&mut WorkerRecord> {
+    /// The worker, with `now` recorded as the last time it was heard of.
+    pub fn record_contact(&mut self, id: WorkerId, now: Duration) -> Option<&mut WorkerRecord> {
         let worker = self.workers.get_mut(&id)?;
         worker.last_heard = worker.last_heard.max(now);
+        worker.is_silent = false;
         Some(worker)
     }
 
     /// The worker.
-    pub fn get_mut(&mut self, id: u64) -> Option<&mut WorkerRecord> {
+    pub fn get(&self, id: WorkerId) -> Option<&WorkerRecord> {
+        self.workers.get(&id)
+    }
+
+    /// The worker.
+    pub fn get_mut(&mut self, id: WorkerId) -> Option<&mut WorkerRecord> {
         self.workers.get_mut(&id)
     }
 
+    /// The worker's name.
+    pub fn name(&self, id: WorkerId) -> String {
+        self.workers.get(&id).map_or_else(|| format!("number {id}"), |worker| worker.name.clone())
+    }
+
     /// Forgets a worker.
-    pub fn remove(&mut self, id: u64) -> Option<WorkerRecord> {
-        self.workers.remove(&id)
+    pub fn remove(&mut self, now: Duration, id: WorkerId) -> Option<WorkerRecord> {
+        let worker = self.workers.remove(&id)?;
+        self.former.retain(|_, trust| trust.set_aside(now).is_some());
+        if worker.set_aside(now).is_some() {
+            self.former.insert(worker.name.clone(), worker.farm.clone());
+        }
+        Some(worker)
     }
 
     /// All workers with their ids.
-    pub fn iter(&self) -> impl Iterator<Item = (u64, &WorkerRecord)> {
+    pub fn iter(&self) -> impl Iterator<Item = (WorkerId, &WorkerRecord)> {
         self.workers.iter().map(|(id, worker)| (*id, worker))
     }
 
-    /// Whether a worker other than `id` may take work at `now`.
-    pub fn has_other(&self, id: u64, now: Duration) -> bool {
-        self.workers.iter().any(|(other, worker)| *other != id && worker.set_aside(now).is_none())
+    /// Whether a worker other than `id` was heard of within `silence` and may take work of `job` at `now`.
+    pub fn has_other(&self, id: WorkerId, job: JobId, now: Duration, silence: Duration) -> bool {
+        self.workers.iter().any(|(other, worker)| {
+            *other != id
+                && now.saturating_sub(worker.last_heard) < silence
+                && worker.set_aside(now).is_none()
+                && !worker.is_set_aside_for(job, now)
+        })
     }
 
     /// Workers not heard of for `silence`.
-    pub fn silent(&self, now: Duration, silence: Duration) -> Vec<u64> {
+    pub fn silent(&self, now: Duration, silence: Duration) -> Vec<WorkerId> {
         let is_silent = |worker: &WorkerRecord| now.saturating_sub(worker.last_heard) >= silence;
         self.workers.iter().filter(|(_, worker)| is_silent(worker)).map(|(id, _)| *id).collect()
+    }
+
+    /// Whether nobody was heard of for `silence` who may take work.
+    pub fn is_deserted(&self, now: Duration, silence: Duration) -> bool {
+        let works =
+            |worker: &WorkerRecord| now.saturating_sub(worker.last_heard) < silence && worker.set_aside(now).is_none();
+        !self.workers.values().any(works)
+    }
+
+    /// Counts `time` in which nobody could be heard as if it had not passed.
+    pub fn postpone(&mut self, time: Duration) {
+        self.workers.values_mut().for_each(|worker| worker.last_heard += time);
+    }
+
+    /// A job is forgotten: so is who failed at it.
+    pub fn forget_job(&mut self, job: JobId) {
+        self.workers.values_mut().for_each(|worker| drop(worker.jobs.remove(&job)));
     }
 
     /// How many workers are registered.

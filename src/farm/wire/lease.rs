@@ -3,6 +3,8 @@
 use super::WireError;
 use super::messages;
 use crate::estimate::{Region, Shard};
+use crate::farm::ids::{BadJobId, Fencing, JobId, LeaseId};
+#[cfg(doc)]
 use crate::farm::rules::lease::Work;
 use crate::farm::rules::plan::PlannedShard;
 use crate::method::CheckedMethod;
@@ -11,11 +13,11 @@ use crate::method::CheckedMethod;
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobDescription {
     /// The job's id.
-    pub id: String,
+    pub id: JobId,
     /// Hash of its scene.
     pub scene: String,
-    /// Its method.
-    pub method: CheckedMethod,
+    /// Its method; `None` before one was chosen.
+    pub method: Option<CheckedMethod>,
     /// Its seed.
     pub seed: u64,
     /// Picture width, pixels.
@@ -24,25 +26,57 @@ pub struct JobDescription {
     pub height: u32,
 }
 
-/// A lease as a worker reads it.
+/// What trials of methods aim at.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LeasedWork {
-    /// Lease id.
-    pub id: u64,
-    /// Fencing number.
-    pub fencing: u64,
-    /// The job.
-    pub job: JobDescription,
-    /// The first radii, or a shard.
-    pub work: Option<PlannedShard>,
+pub struct ChoiceTerms {
+    /// Method parameters of the request.
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+    /// relMSE.
+    pub error: f64,
 }
 
-/// To the message. `shard` is what a shard lease traces.
+/// A shard to trace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShardTerms {
+    /// The shard and its place in the plan.
+    pub planned: PlannedShard,
+    /// Rises when part of a job is done again.
+    pub generation: u32,
+}
+
+/// What is to be done.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LeasedWork {
+    /// See [`Work::Choice`].
+    Choice(ChoiceTerms),
+    /// See [`Work::Pilot`].
+    Pilot,
+    /// See [`Work::Shard`]; a check looks no different.
+    Shard(ShardTerms),
+    /// See [`Work::FirstSurfaces`].
+    FirstSurfaces,
+}
+
+/// A lease as a worker reads it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WorkerLease {
+    /// Lease id.
+    pub id: LeaseId,
+    /// Fencing number.
+    pub fencing: Fencing,
+    /// The job.
+    pub job: JobDescription,
+    /// What is to be done.
+    pub work: LeasedWork,
+}
+
+/// To the message.
 pub fn encode_job(job: &JobDescription) -> messages::Job {
+    let method = job.method.as_ref().map(|method| serde_json::to_string(method).unwrap_or_default());
     messages::Job {
-        id: job.id.clone(),
+        id: job.id.to_string(),
         scene: job.scene.clone(),
-        method: serde_json::to_string(&job.method).unwrap_or_default(),
+        method: method.unwrap_or_default(),
         seed: job.seed,
         width: job.width,
         height: job.height,
@@ -50,15 +84,22 @@ pub fn encode_job(job: &JobDescription) -> messages::Job {
 }
 
 /// To the message.
-pub fn encode_lease(id: u64, fencing: u64, job: &JobDescription, work: Work) -> messages::Lease {
-    let work = match work {
-        Work::Pilot => messages::lease::Work::Pilot(messages::PilotWork {}),
-        Work::Shard(_, planned) => messages::lease::Work::Shard(encode_shard(&planned)),
+pub fn encode_lease(lease: &WorkerLease) -> messages::Lease {
+    let work = match &lease.work {
+        LeasedWork::Choice(terms) => messages::lease::Work::Choice(messages::ChoiceWork {
+            parameters: serde_json::Value::Object(terms.parameters.clone()).to_string(),
+            error: terms.error,
+        }),
+        LeasedWork::Pilot => messages::lease::Work::Pilot(messages::PilotWork {}),
+        LeasedWork::Shard(terms) => messages::lease::Work::Shard(encode_shard(terms)),
+        LeasedWork::FirstSurfaces => messages::lease::Work::FirstSurfaces(messages::FirstSurfacesWork {}),
     };
-    messages::Lease { id, fencing, job: Some(encode_job(job)), work: Some(work) }
+    let (id, fencing) = (lease.id.number(), lease.fencing.number());
+    messages::Lease { id, fencing, job: Some(encode_job(&lease.job)), work: Some(work) }
 }
 
-fn encode_shard(planned: &PlannedShard) -> messages::ShardWork {
+fn encode_shard(terms: &ShardTerms) -> messages::ShardWork {
+    let ShardTerms { planned, generation } = *terms;
     messages::ShardWork {
         first_pass: planned.shard.first_pass,
         passes: planned.shard.passes,
@@ -66,30 +107,48 @@ fn encode_shard(planned: &PlannedShard) -> messages::ShardWork {
         row_end: planned.shard.region.row_end,
         field_epoch: planned.field_epoch,
         region: planned.region,
+        generation,
     }
 }
 
 /// From the message.
-pub fn decode_lease(message: messages::Lease) -> Result<LeasedWork, WireError> {
+pub fn decode_lease(message: messages::Lease) -> Result<WorkerLease, WireError> {
     let job = decode_job(message.job.ok_or(WireError::Missing("job"))?)?;
     let work = match message.work.ok_or(WireError::Missing("work"))? {
-        messages::lease::Work::Pilot(_) => None,
-        messages::lease::Work::Shard(shard) => Some(decode_shard(&shard, &job)?),
+        messages::lease::Work::Choice(choice) => LeasedWork::Choice(decode_choice(&choice)?),
+        messages::lease::Work::Pilot(_) => LeasedWork::Pilot,
+        messages::lease::Work::Shard(shard) => LeasedWork::Shard(decode_shard(&shard, &job)?),
+        messages::lease::Work::FirstSurfaces(_) => LeasedWork::FirstSurfaces,
     };
-    Ok(LeasedWork { id: message.id, fencing: message.fencing, job, work })
+    if job.method.is_none() && matches!(work, LeasedWork::Pilot | LeasedWork::Shard(_)) {
+        return Err(WireError::Missing("method"));
+    }
+    Ok(WorkerLease { id: LeaseId::new(message.id), fencing: Fencing::new(message.fencing), job, work })
+}
+
+fn decode_choice(message: &messages::ChoiceWork) -> Result<ChoiceTerms, WireError> {
+    let impossible = |field, problem| WireError::Impossible { field, problem };
+    let parameters =
+        serde_json::from_str(&message.parameters).map_err(|problem| impossible("parameters", problem.to_string()))?;
+    if !(message.error.is_finite() && message.error > 0.0) {
+        return Err(impossible("error", message.error.to_string()));
+    }
+    Ok(ChoiceTerms { parameters, error: message.error })
 }
 
 fn decode_job(message: messages::Job) -> Result<JobDescription, WireError> {
-    let method = serde_json::from_str(&message.method)
-        .map_err(|problem| WireError::Impossible { field: "method", problem: problem.to_string() })?;
+    let impossible = |field, problem| WireError::Impossible { field, problem };
+    let method = Some(&message.method).filter(|text| !text.is_empty()).map(|text| serde_json::from_str(text));
+    let method = method.transpose().map_err(|problem| impossible("method", problem.to_string()))?;
+    let id = message.id.parse().map_err(|problem: BadJobId| impossible("job", problem.to_string()))?;
     let (width, height) = (message.width, message.height);
     if width == 0 || height == 0 {
-        return Err(WireError::Impossible { field: "picture size", problem: format!("{width} × {height}") });
+        return Err(impossible("picture size", format!("{width} × {height}")));
     }
-    Ok(JobDescription { id: message.id, scene: message.scene, method, seed: message.seed, width, height })
+    Ok(JobDescription { id, scene: message.scene, method, seed: message.seed, width, height })
 }
 
-fn decode_shard(message: &messages::ShardWork, job: &JobDescription) -> Result<PlannedShard, WireError> {
+fn decode_shard(message: &messages::ShardWork, job: &JobDescription) -> Result<ShardTerms, WireError> {
     let region = Region { row_start: message.row_start, row_end: message.row_end };
     if region.row_start >= region.row_end || region.row_end > job.height {
         let problem = format!("rows {}..{} of {}", region.row_start, region.row_end, job.height);
@@ -101,9 +160,10 @@ fn decode_shard(message: &messages::ShardWork, job: &JobDescription) -> Result<P
         let problem = format!("{} from {}", message.passes, message.first_pass);
         return Err(WireError::Impossible { field: "passes", problem });
     }
-    Ok(PlannedShard {
+    let planned = PlannedShard {
         shard: Shard { first_pass: message.first_pass, passes: message.passes, region },
         region: message.region,
         field_epoch: message.field_epoch,
-    })
+    };
+    Ok(ShardTerms { planned, generation: message.generation })
 }

@@ -1,4 +1,4 @@
-//! What a worker keeps between shards: prepared scenes, renderers, radius fields. The least recently used goes first.
+//! What a worker keeps between shards: renderers and radius fields. The least recently used goes first.
 
 use std::sync::{Arc, Mutex};
 
@@ -8,14 +8,14 @@ use super::client::{CallError, Client};
 use super::pool::RenderPool;
 use super::session::TRANSFER_TIMEOUT;
 use crate::estimate::RadiusField;
-use crate::farm::coordinator::{lock, prepare_scene};
-use crate::farm::rules::plan::PlannedShard;
-use crate::farm::wire::lease::JobDescription;
+use crate::farm::ids::JobId;
+use crate::farm::locks::lock;
+use crate::farm::prepared_scenes::{PreparedScenes, prepare_scene};
+use crate::farm::wire::lease::{JobDescription, ShardTerms};
 use crate::farm::wire::{messages, radius};
 use crate::render::Renderer;
 use crate::scene::Scene;
 
-const SCENES: usize = 2;
 const RENDERERS: usize = 3;
 const FIELDS: usize = 6;
 
@@ -57,21 +57,26 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
     }
 }
 
-/// The caches of one session. Jobs' ids are only unique while the coordinator runs, so they end with it.
+/// Which radius field it is.
+#[derive(Clone, Copy, PartialEq)]
+struct FieldKey {
+    job: JobId,
+    generation: u32,
+    epoch: u32,
+    region: u32,
+}
+
+/// The caches of one session.
 pub(super) struct Cache {
-    scenes: Mutex<Recent<String, Arc<Scene>>>,
-    renderers: Mutex<Recent<String, Arc<Renderer>>>,
-    fields: Mutex<Recent<(String, u32, u32), Arc<RadiusField>>>,
+    scenes: PreparedScenes,
+    renderers: Mutex<Recent<JobId, Arc<Renderer>>>,
+    fields: Mutex<Recent<FieldKey, Arc<RadiusField>>>,
 }
 
 impl Cache {
-    /// Empty caches.
-    pub(super) fn new() -> Self {
-        Self {
-            scenes: Mutex::new(Recent::new(SCENES)),
-            renderers: Mutex::new(Recent::new(RENDERERS)),
-            fields: Mutex::new(Recent::new(FIELDS)),
-        }
+    /// Empty caches beside the process's scenes.
+    pub(super) fn new(scenes: PreparedScenes) -> Self {
+        Self { scenes, renderers: Mutex::new(Recent::new(RENDERERS)), fields: Mutex::new(Recent::new(FIELDS)) }
     }
 
     /// The job's renderer.
@@ -85,44 +90,51 @@ impl Cache {
             return Ok(renderer);
         }
         let scene = self.scene(client, pool, &job.scene).await?;
-        let (method, seed) = (job.method.clone(), job.seed);
+        let method =
+            job.method.clone().ok_or_else(|| PrepareError::Unusable("the job has no method yet".to_owned()))?;
+        let seed = job.seed;
         let made = pool.run(move || Renderer::new(scene, &method, seed).map_err(|problem| problem.to_string())).await;
         let renderer = Arc::new(made.and_then(|made| made).map_err(PrepareError::Unusable)?);
-        lock(&self.renderers).insert(job.id.clone(), renderer.clone());
+        lock(&self.renderers).insert(job.id, renderer.clone());
         Ok(renderer)
     }
 
-    async fn scene(&self, client: &Client, pool: &RenderPool, hash: &str) -> Result<Arc<Scene>, PrepareError> {
-        if let Some(scene) = lock(&self.scenes).get(&hash.to_owned()) {
-            return Ok(scene);
-        }
-        let bytes = client.get(&format!("scenes/{hash}"), TRANSFER_TIMEOUT).await?;
-        let expected = hash.to_owned();
-        let prepare = move || {
-            if blake3::hash(&bytes).to_hex().as_str() != expected {
-                return Err(format!("scene {expected} was damaged on its way"));
-            }
-            prepare_scene(&bytes).map_err(|problem| problem.to_string())
+    /// A prepared scene.
+    pub(super) async fn scene(
+        &self,
+        client: &Client,
+        pool: &RenderPool,
+        hash: &str,
+    ) -> Result<Arc<Scene>, PrepareError> {
+        let prepare = async {
+            let bytes = client.get(&format!("scenes/{hash}"), TRANSFER_TIMEOUT).await?;
+            let expected = hash.to_owned();
+            let prepare = move || {
+                if blake3::hash(&bytes).to_hex().as_str() != expected {
+                    return Err(format!("scene {expected} was damaged on its way"));
+                }
+                prepare_scene(&bytes).map_err(|problem| problem.to_string())
+            };
+            let scene = pool.run(prepare).await.and_then(|scene| scene).map_err(PrepareError::Unusable)?;
+            Ok(Arc::new(scene))
         };
-        let scene = pool.run(prepare).await.and_then(|scene| scene).map_err(PrepareError::Unusable)?;
-        let scene = Arc::new(scene);
-        lock(&self.scenes).insert(hash.to_owned(), scene.clone());
-        Ok(scene)
+        self.scenes.get_or_prepare(hash, prepare).await
     }
 
-    /// The radius field with which `planned` is traced.
+    /// The radius field with which a shard is traced.
     pub(super) async fn field(
         &self,
         client: &Client,
         job: &JobDescription,
-        planned: &PlannedShard,
+        terms: &ShardTerms,
     ) -> Result<Arc<RadiusField>, PrepareError> {
-        let key = (job.id.clone(), planned.field_epoch, planned.region);
+        let planned = &terms.planned;
+        let (epoch, region) = (planned.field_epoch, planned.region);
+        let key = FieldKey { job: job.id, generation: terms.generation, epoch, region };
         if let Some(field) = lock(&self.fields).get(&key) {
             return Ok(field);
         }
-        let path = format!("jobs/{}/radius/{}/{}", key.0, key.1, key.2);
-        let bytes = client.get(&path, TRANSFER_TIMEOUT).await?;
+        let bytes = client.get(&format!("jobs/{}/radius/{epoch}/{region}", job.id), TRANSFER_TIMEOUT).await?;
         let message = messages::RadiusField::decode(bytes).map_err(|e| PrepareError::Unusable(e.to_string()))?;
         let pixels = planned.shard.region.pixel_count(job.width);
         let field = radius::decode(&message, pixels).map_err(|e| PrepareError::Unusable(e.to_string()))?;

@@ -2,13 +2,16 @@
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
-use std::time::Duration;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use prost::Message;
 use reqwest::{Response, StatusCode, Url};
 
 use super::WorkerError;
+use crate::farm::EVENTS;
+use crate::farm::locks::lock;
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 const SHORTEST_PAUSE: Duration = Duration::from_millis(200);
@@ -45,6 +48,8 @@ impl CallError {
 pub(super) struct Client {
     http: reqwest::Client,
     base: String,
+    address: String,
+    outage: Arc<Mutex<Option<Instant>>>,
 }
 
 impl Client {
@@ -61,7 +66,8 @@ impl Client {
             .tcp_nodelay(true)
             .build()
             .map_err(|problem| WorkerError::Start(problem.to_string()))?;
-        Ok(Self { http, base: format!("{}/farm/v1", address.trim_end_matches('/')) })
+        let address = address.trim_end_matches('/').to_owned();
+        Ok(Self { http, base: format!("{address}/farm/v1"), address, outage: Arc::default() })
     }
 
     /// Sends a message and reads the answer as one.
@@ -72,14 +78,33 @@ impl Client {
         timeout: Duration,
     ) -> Result<A, CallError> {
         let request = self.http.post(format!("{}/{path}", self.base)).timeout(timeout).body(message);
-        let body = read(request.send().await).await?;
+        let body = self.observed(read(request.send().await).await)?;
         A::decode(body).map_err(|problem| CallError::Unreachable(problem.to_string()))
     }
 
     /// Reads a resource.
     pub(super) async fn get(&self, path: &str, timeout: Duration) -> Result<Bytes, CallError> {
         let request = self.http.get(format!("{}/{path}", self.base)).timeout(timeout);
-        read(request.send().await).await
+        self.observed(read(request.send().await).await)
+    }
+
+    /// Logs the beginning and the end of an outage, one line each, however many requests it costs.
+    fn observed(&self, result: Result<Bytes, CallError>) -> Result<Bytes, CallError> {
+        let mut outage = lock(&self.outage);
+        match &result {
+            Err(CallError::Unreachable(problem)) if outage.is_none() => {
+                *outage = Some(Instant::now());
+                tracing::warn!(target: EVENTS, "coordinator {} does not answer ({problem}); trying again", self.address);
+            }
+            Err(CallError::Unreachable(_)) => {}
+            _ => {
+                if let Some(since) = outage.take() {
+                    let seconds = since.elapsed().as_secs_f64();
+                    tracing::info!(target: EVENTS, "coordinator {} answers again after {seconds:.0} s", self.address);
+                }
+            }
+        }
+        result
     }
 }
 

@@ -12,14 +12,20 @@ use prost::Message;
 use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
 
+use crate::farm::EVENTS;
+use crate::farm::ids::WorkerId;
+use crate::farm::prepared_scenes::PreparedScenes;
 use crate::farm::wire;
 use crate::farm::wire::messages::{RegisterRequest, RegisterResponse};
 use client::{Backoff, CallError, Client};
 use pool::RenderPool;
 use session::{MESSAGE_TIMEOUT, Session, SessionEnd};
 
-/// What a worker is told.
-#[derive(Clone, Debug)]
+/// Prepared scenes that a worker keeps.
+pub const KEPT_SCENES: usize = 2;
+
+/// Who a worker is and for whom it works.
+#[derive(Clone)]
 pub struct WorkerOptions {
     /// Base address of the coordinator, for example `http://127.0.0.1:8080`.
     pub coordinator: String,
@@ -27,6 +33,8 @@ pub struct WorkerOptions {
     pub name: String,
     /// Rendering threads, at least 1.
     pub threads: usize,
+    /// The prepared scenes of this process.
+    pub scenes: PreparedScenes,
 }
 
 /// Why a worker stopped other than by being asked.
@@ -62,10 +70,18 @@ pub async fn run_worker(options: WorkerOptions, shutdown: CancellationToken) -> 
         let Some(registered) = registered.transpose()? else { return Ok(()) };
         let lease_duration = Duration::from_millis(u64::from(registered.lease_milliseconds.max(1)));
         let (client, name) = (client.clone(), options.name.clone());
-        let session = Session::new(client, name, registered.worker, lease_duration, pool.clone());
+        tracing::info!(
+            target: EVENTS,
+            "{name} works for {} with {} threads, as number {}",
+            options.coordinator,
+            options.threads,
+            registered.worker
+        );
+        let worker = WorkerId::new(registered.worker);
+        let session = Session::new(client, name, worker, lease_duration, pool.clone(), options.scenes.clone());
         match session.run(&shutdown).await {
             SessionEnd::Shutdown => return Ok(()),
-            SessionEnd::Forgotten => tracing::warn!("the coordinator forgot this worker; registering again"),
+            SessionEnd::Forgotten => tracing::info!("the coordinator forgot this worker; registering again"),
         }
     }
 }
@@ -87,7 +103,7 @@ async fn register(client: &Client, options: &WorkerOptions) -> Result<RegisterRe
                 return Err(WorkerError::Refused(problem));
             }
             Err(problem) => {
-                tracing::warn!(coordinator = options.coordinator, %problem, "cannot register; trying again");
+                tracing::debug!(%problem, "cannot register; trying again");
                 sleep(backoff.next_pause()).await;
             }
         }

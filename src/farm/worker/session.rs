@@ -19,15 +19,23 @@ use super::cache::{Cache, PrepareError};
 use super::client::{Backoff, CallError, Client};
 use super::pool::RenderPool;
 use crate::estimate::{RadiusField, Tally};
-use crate::farm::coordinator::lock;
-use crate::farm::rules::plan::PlannedShard;
-use crate::farm::wire::lease::{LeasedWork, decode_lease};
+use crate::evaluation::{PoolStopwatch, RunError};
+use crate::farm::EVENTS;
+use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
+use crate::farm::locks::lock;
+use crate::farm::method_choice::{best_method, try_methods};
+use crate::farm::prepared_scenes::PreparedScenes;
+use crate::farm::wire::first_surfaces;
+use crate::farm::wire::lease::{ChoiceTerms, JobDescription, LeasedWork, ShardTerms, WorkerLease, decode_lease};
 use crate::farm::wire::messages::result_request::Outcome;
 use crate::farm::wire::messages::{
-    HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, ReleaseRequest, ResultRequest, ResultResponse,
+    Choice, HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, ReleaseRequest, ResultRequest,
+    ResultResponse,
 };
 use crate::farm::wire::result::{encode_pilot, encode_tally};
+use crate::render::first_surface::{FirstSurface, first_surface_layers};
 use crate::render::{Cancelled, Pilot, Renderer};
+use crate::scene::Scene;
 
 /// For scenes, radius fields and results.
 pub(super) const TRANSFER_TIMEOUT: Duration = Duration::from_secs(300);
@@ -57,18 +65,26 @@ struct Held {
     is_delivering: bool,
 }
 
-/// A lease with all that is needed to trace it.
+/// A lease with all that is needed to do it.
 struct Task {
-    lease: u64,
-    fencing: u64,
-    renderer: Arc<Renderer>,
-    shard: Option<(PlannedShard, Arc<RadiusField>)>,
+    lease: LeaseId,
+    fencing: Fencing,
+    work: ReadyWork,
     cancel: Arc<AtomicBool>,
 }
 
+enum ReadyWork {
+    Choice(Arc<Scene>, ChoiceTerms),
+    Pilot(Arc<Renderer>),
+    Shard(Arc<Renderer>, ShardTerms, Arc<RadiusField>),
+    FirstSurfaces(Arc<Scene>),
+}
+
 enum Product {
+    Choice(Choice),
     Pilot(Pilot),
     Tally(Tally),
+    FirstSurfaces(Vec<FirstSurface>),
     Failure(String),
 }
 
@@ -76,11 +92,13 @@ enum Product {
 pub(super) struct Session {
     pub(super) client: Client,
     pub(super) name: String,
-    pub(super) worker: u64,
+    pub(super) worker: WorkerId,
     pub(super) lease_duration: Duration,
     pub(super) pool: Arc<RenderPool>,
     cache: Cache,
-    held: Mutex<BTreeMap<u64, Held>>,
+    held: Mutex<BTreeMap<LeaseId, Held>>,
+    /// The job that was announced last.
+    announced: Mutex<Option<JobId>>,
     deliveries: TaskTracker,
     delivery_slots: Arc<Semaphore>,
 }
@@ -90,9 +108,10 @@ impl Session {
     pub(super) fn new(
         client: Client,
         name: String,
-        worker: u64,
+        worker: WorkerId,
         lease_duration: Duration,
         pool: Arc<RenderPool>,
+        scenes: PreparedScenes,
     ) -> Arc<Self> {
         Arc::new(Self {
             client,
@@ -100,8 +119,9 @@ impl Session {
             worker,
             lease_duration,
             pool,
-            cache: Cache::new(),
+            cache: Cache::new(scenes),
             held: Mutex::new(BTreeMap::new()),
+            announced: Mutex::new(None),
             deliveries: TaskTracker::new(),
             delivery_slots: Arc::new(Semaphore::new(DELIVERIES)),
         })
@@ -127,7 +147,7 @@ impl Session {
 
     async fn fetch(self: &Arc<Self>, tasks: mpsc::Sender<Task>) -> SessionEnd {
         let mut backoff = Backoff::new(&self.name);
-        let request: Bytes = LeaseRequest { worker: self.worker }.encode_to_vec().into();
+        let request: Bytes = LeaseRequest { worker: self.worker.number() }.encode_to_vec().into();
         while let Ok(slot) = tasks.reserve().await {
             match self.client.post::<LeaseResponse>("lease", request.clone(), MESSAGE_TIMEOUT).await {
                 Ok(LeaseResponse { lease: Some(lease), .. }) => {
@@ -140,7 +160,7 @@ impl Session {
                 Ok(_) => backoff.reset(),
                 Err(CallError::Forgotten) => return SessionEnd::Forgotten,
                 Err(problem) => {
-                    tracing::warn!(%problem, "no work can be had; trying again");
+                    tracing::debug!(%problem, "no work can be had; trying again");
                     sleep(backoff.next_pause()).await;
                 }
             }
@@ -148,37 +168,52 @@ impl Session {
         SessionEnd::Forgotten
     }
 
-    /// Notes a lease and fetches what it needs. A lease that cannot be used is given back or reported.
+    /// Records a lease and fetches what it needs. A lease that cannot be used is given back or reported.
     async fn accept(self: &Arc<Self>, lease: crate::farm::wire::messages::Lease) -> Option<Task> {
-        let (id, fencing) = (lease.id, lease.fencing);
+        let (id, fencing) = (LeaseId::new(lease.id), Fencing::new(lease.fencing));
         let cancel = Arc::new(AtomicBool::new(false));
         lock(&self.held).insert(id, Held { cancel: cancel.clone(), is_delivering: false });
         let prepared = match decode_lease(lease) {
-            Ok(work) => self.prepare(work, cancel).await,
+            Ok(lease) => self.prepare(lease, cancel).await,
             Err(problem) => Err(PrepareError::Unusable(problem.to_string())),
         };
         match prepared {
             Ok(task) => Some(task),
             Err(PrepareError::Unusable(problem)) => {
-                tracing::warn!(lease = id, problem, "a lease cannot be used");
+                tracing::warn!(lease = %id, problem, "a lease cannot be used");
                 self.deliver(id, fencing, Product::Failure(problem)).await;
                 None
             }
             Err(PrepareError::Call(problem)) => {
-                tracing::info!(lease = id, %problem, "what a lease needs cannot be had; giving it back");
+                tracing::info!(lease = %id, %problem, "what a lease needs cannot be had; giving it back");
                 self.give_back(vec![id], false).await;
                 None
             }
         }
     }
 
-    async fn prepare(&self, work: LeasedWork, cancel: Arc<AtomicBool>) -> Result<Task, PrepareError> {
-        let renderer = self.cache.renderer(&self.client, &self.pool, &work.job).await?;
-        let shard = match work.work {
-            None => None,
-            Some(planned) => Some((planned, self.cache.field(&self.client, &work.job, &planned).await?)),
+    async fn prepare(&self, lease: WorkerLease, cancel: Arc<AtomicBool>) -> Result<Task, PrepareError> {
+        let WorkerLease { id, fencing, job, work } = lease;
+        self.announce(&job);
+        let (cache, client, pool) = (&self.cache, &self.client, &self.pool);
+        let work = match work {
+            LeasedWork::Choice(terms) => ReadyWork::Choice(cache.scene(client, pool, &job.scene).await?, terms),
+            LeasedWork::FirstSurfaces => ReadyWork::FirstSurfaces(cache.scene(client, pool, &job.scene).await?),
+            LeasedWork::Pilot => ReadyWork::Pilot(cache.renderer(client, pool, &job).await?),
+            LeasedWork::Shard(terms) => {
+                let renderer = cache.renderer(client, pool, &job).await?;
+                ReadyWork::Shard(renderer, terms, cache.field(client, &job, &terms).await?)
+            }
         };
-        Ok(Task { lease: work.id, fencing: work.fencing, renderer, shard, cancel })
+        Ok(Task { lease: id, fencing, work, cancel })
+    }
+
+    /// Says what this worker works on, when that changes.
+    fn announce(&self, job: &JobDescription) {
+        if lock(&self.announced).replace(job.id) != Some(job.id) {
+            let method = job.method.as_ref().map_or("no method yet", |method| method.choice.name.as_str());
+            tracing::info!(target: EVENTS, "{} works on job {} ({method}, {} × {} pixels)", self.name, job.id, job.width, job.height);
+        }
     }
 
     async fn trace(self: &Arc<Self>, mut tasks: mpsc::Receiver<Task>) {
@@ -187,7 +222,7 @@ impl Session {
             let product = match self.pool.run(move || task.trace()).await {
                 Ok(Ok(product)) => product,
                 Ok(Err(Cancelled)) => {
-                    tracing::debug!(lease, "tracing was cancelled");
+                    tracing::debug!(%lease, "tracing was cancelled");
                     lock(&self.held).remove(&lease);
                     continue;
                 }
@@ -198,7 +233,7 @@ impl Session {
     }
 
     /// Begins a delivery as soon as not too many are under way.
-    async fn deliver(self: &Arc<Self>, lease: u64, fencing: u64, product: Product) {
+    async fn deliver(self: &Arc<Self>, lease: LeaseId, fencing: Fencing, product: Product) {
         if let Some(held) = lock(&self.held).get_mut(&lease) {
             held.is_delivering = true;
         }
@@ -212,11 +247,11 @@ impl Session {
     }
 
     /// Keeps at it through outages, until the coordinator has said yes or no.
-    async fn send_result(&self, lease: u64, fencing: u64, product: Product) {
-        let worker = self.worker;
+    async fn send_result(&self, lease: LeaseId, fencing: Fencing, product: Product) {
+        let (worker, id, number) = (self.worker.number(), lease.number(), fencing.number());
         let encode = move || {
             let outcome = Some(product.encode());
-            Bytes::from(ResultRequest { worker, lease, fencing, outcome }.encode_to_vec())
+            Bytes::from(ResultRequest { worker, lease: id, fencing: number, outcome }.encode_to_vec())
         };
         let Ok(message) = tokio::task::spawn_blocking(encode).await else { return };
         let mut backoff = Backoff::new(&self.name);
@@ -224,11 +259,11 @@ impl Session {
             match self.client.post::<ResultResponse>("result", message.clone(), TRANSFER_TIMEOUT).await {
                 Ok(_) => return,
                 Err(problem) if problem.is_temporary() => {
-                    tracing::warn!(lease, %problem, "a result cannot be delivered; trying again");
+                    tracing::debug!(%lease, %problem, "a result cannot be delivered; trying again");
                     sleep(backoff.next_pause()).await;
                 }
                 Err(problem) => {
-                    tracing::info!(lease, %problem, "a result was not wanted");
+                    tracing::info!(%lease, %problem, "a result was not wanted");
                     return;
                 }
             }
@@ -238,29 +273,30 @@ impl Session {
     async fn send_heartbeats(&self) -> SessionEnd {
         loop {
             sleep(self.lease_duration / 3).await;
-            let leases = lock(&self.held).keys().copied().collect();
-            let message = HeartbeatRequest { worker: self.worker, leases }.encode_to_vec().into();
+            let leases = lock(&self.held).keys().map(|lease| lease.number()).collect();
+            let message = HeartbeatRequest { worker: self.worker.number(), leases }.encode_to_vec().into();
             match self.client.post::<HeartbeatResponse>("heartbeat", message, MESSAGE_TIMEOUT).await {
                 Ok(answer) => self.cancel(&answer.cancelled),
                 Err(CallError::Forgotten) => return SessionEnd::Forgotten,
-                Err(problem) => tracing::warn!(%problem, "heartbeat failed"),
+                Err(problem) => tracing::debug!(%problem, "heartbeat failed"),
             }
         }
     }
 
     fn cancel(&self, leases: &[u64]) {
         let held = lock(&self.held);
-        for lease in leases.iter().filter_map(|lease| held.get(lease)) {
+        for lease in leases.iter().filter_map(|lease| held.get(&LeaseId::new(*lease))) {
             lease.cancel.store(true, Ordering::Relaxed);
         }
     }
 
     /// Gives leases back so that others get them at once.
-    async fn give_back(&self, leases: Vec<u64>, leaving: bool) {
+    async fn give_back(&self, leases: Vec<LeaseId>, leaving: bool) {
         for lease in &leases {
             lock(&self.held).remove(lease);
         }
-        let message = ReleaseRequest { worker: self.worker, leases, leaving }.encode_to_vec().into();
+        let leases = leases.into_iter().map(LeaseId::number).collect();
+        let message = ReleaseRequest { worker: self.worker.number(), leases, leaving }.encode_to_vec().into();
         // Unheard, it only takes longer: the leases expire.
         let sent = timeout(FAREWELL, self.client.post::<()>("release", message, MESSAGE_TIMEOUT)).await;
         if !matches!(sent, Ok(Ok(()))) {
@@ -269,7 +305,7 @@ impl Session {
     }
 
     async fn leave(&self) {
-        let unfinished: Vec<u64> =
+        let unfinished: Vec<LeaseId> =
             lock(&self.held).iter().filter(|(_, held)| !held.is_delivering).map(|(id, _)| *id).collect();
         if !unfinished.is_empty() {
             self.give_back(unfinished, false).await;
@@ -284,18 +320,37 @@ impl Session {
 
 impl Task {
     fn trace(self) -> Result<Product, Cancelled> {
-        match self.shard {
-            None => self.renderer.pilot(&self.cancel).map(Product::Pilot),
-            Some((planned, field)) => self.renderer.trace(planned.shard, &field, &self.cancel).map(Product::Tally),
+        let cancel = &*self.cancel;
+        match self.work {
+            ReadyWork::Choice(scene, terms) => choose(&scene, &terms, cancel),
+            ReadyWork::Pilot(renderer) => renderer.pilot(cancel).map(Product::Pilot),
+            ReadyWork::Shard(renderer, terms, field) => {
+                renderer.trace(terms.planned.shard, &field, cancel).map(Product::Tally)
+            }
+            ReadyWork::FirstSurfaces(scene) => Ok(Product::FirstSurfaces(first_surface_layers(&scene))),
         }
+    }
+}
+
+/// Lets methods try a small picture of the scene.
+fn choose(scene: &Scene, terms: &ChoiceTerms, cancel: &AtomicBool) -> Result<Product, Cancelled> {
+    let found = PoolStopwatch::start()
+        .map_err(RunError::from)
+        .and_then(|mut time| try_methods(scene, &terms.parameters, terms.error, &mut time, cancel));
+    match found {
+        Ok(found) => Ok(Product::Choice(Choice { method: best_method(&found), reason: found.reason() })),
+        Err(RunError::Cancelled(cancelled)) => Err(cancelled),
+        Err(problem) => Ok(Product::Failure(problem.to_string())),
     }
 }
 
 impl Product {
     fn encode(self) -> Outcome {
         match self {
+            Self::Choice(choice) => Outcome::Choice(choice),
             Self::Pilot(pilot) => Outcome::Pilot(encode_pilot(&pilot)),
             Self::Tally(tally) => Outcome::Tally(encode_tally(&tally)),
+            Self::FirstSurfaces(seen) => Outcome::FirstSurfaces(first_surfaces::encode(&seen)),
             Self::Failure(problem) => Outcome::Failure(problem),
         }
     }

@@ -1,0 +1,65 @@
+//! What a coordinator accepts. Every limit stands here, once.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use crate::farm::ids::JobId;
+
+const GIB: u64 = 1 << 30;
+
+/// What a coordinator accepts.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, utoipa::ToSchema)]
+pub struct Limits {
+    /// Bytes of a scene file or archive.
+    pub scene_bytes: u64,
+    /// Bytes of a job request, inline scene included.
+    pub job_bytes: u64,
+    /// Pixels of a picture.
+    pub pixels: u64,
+    /// Jobs that have not ended.
+    pub live_jobs: usize,
+    /// Uploads at the same time.
+    pub uploads: usize,
+    /// Bytes of memory for the states of all running jobs together. Jobs that do not fit wait; a job that never will is refused.
+    pub job_memory: u64,
+    /// Seconds after which a refused request may be repeated.
+    pub retry_after: u64,
+}
+
+impl Default for Limits {
+    fn default() -> Self {
+        Self {
+            scene_bytes: GIB,
+            job_bytes: 64 << 20,
+            pixels: 100_000_000,
+            live_jobs: 1000,
+            uploads: 4,
+            job_memory: total_memory().map_or(8 * GIB, |total| total / 2),
+            retry_after: 5,
+        }
+    }
+}
+
+/// This machine's memory, bytes; `None` where the system does not say.
+fn total_memory() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}
+
+/// Called with a job and the index of the shard that is about to be merged.
+type BeforeMerge = Arc<dyn Fn(JobId, u64) + Send + Sync>;
+
+/// Faults on purpose: tests set them to see what a coordinator does when something breaks inside it.
+#[derive(Clone, Default)]
+pub struct FaultHooks {
+    /// Runs before a shard is merged, with the job's merge state locked; may panic or block.
+    pub before_merge: Option<BeforeMerge>,
+}
+
+impl Limits {
+    /// The pause that a refused request is told.
+    pub fn retry_after(&self) -> Duration {
+        Duration::from_secs(self.retry_after)
+    }
+}

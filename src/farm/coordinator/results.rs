@@ -1,0 +1,145 @@
+//! What becomes of a result: the rules decide, and what they take is merged before anything else of the job.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::shared::{JobRecord, Shared};
+use crate::estimate::Tally;
+use crate::farm::ids::{Fencing, LeaseId, WorkerId};
+use crate::farm::locks::lock;
+use crate::farm::merging::Merging;
+use crate::farm::rules::check::Digest;
+use crate::farm::rules::lease::{Lease, Work};
+use crate::farm::rules::{Answer, Event, Outcome};
+use crate::farm::wire::messages;
+use crate::render::Pilot;
+use crate::render::first_surface::FirstSurface;
+
+/// A result that fits its work.
+pub(in crate::farm) enum Payload {
+    /// Of [`Work::Choice`].
+    Choice {
+        /// The method.
+        method: String,
+        /// Why.
+        reason: String,
+    },
+    /// Of [`Work::Pilot`].
+    Pilot(Pilot),
+    /// Of [`Work::Shard`]: decoded, and as it came.
+    Tally(Tally, messages::Tally),
+    /// Of [`Work::FirstSurfaces`].
+    FirstSurfaces(Vec<FirstSurface>),
+}
+
+/// A delivery, as the protocol reads it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::farm) struct Delivery {
+    /// Who delivers.
+    pub worker: WorkerId,
+    /// What for.
+    pub lease: LeaseId,
+    /// The lease's fencing number.
+    pub fencing: Fencing,
+}
+
+/// What the worker is told.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(in crate::farm) enum Delivered {
+    /// Its result is merged, compared, or its failure recorded.
+    Taken,
+    /// It came before.
+    AlreadyMerged,
+    /// The lease is not the worker's any more.
+    Fenced,
+}
+
+impl Shared {
+    /// Tells the rules what came.
+    pub(in crate::farm) fn record_result(&self, delivery: Delivery, outcome: Outcome) -> Answer {
+        let Delivery { worker, lease, fencing } = delivery;
+        self.apply(Event::ResultCame { worker, lease, fencing, outcome })
+    }
+
+    /// Merges a result, if the rules take it. Blocks while it does.
+    pub(in crate::farm) fn take_result(
+        &self,
+        job: &JobRecord,
+        delivery: Delivery,
+        payload: Payload,
+        digest: Option<Digest>,
+    ) -> Delivered {
+        let mut merging = lock(&job.merging);
+        let lease = match self.record_result(delivery, Outcome::Accepted(digest)) {
+            Answer::Take(lease) => lease,
+            Answer::AlreadyMerged => return Delivered::AlreadyMerged,
+            Answer::Fenced => return Delivered::Fenced,
+            _ => return Delivered::Taken,
+        };
+        let merged = catch_unwind(AssertUnwindSafe(|| self.merge(job, &mut merging, lease, payload)));
+        let problem = match merged {
+            Ok(Ok(())) => return Delivered::Taken,
+            Ok(Err(problem)) => problem,
+            Err(panic) => {
+                // Half a merge is no state to go on from or to look at.
+                *merging = None;
+                format!("a fault of the coordinator: {}", panic_message(panic.as_ref()))
+            }
+        };
+        tracing::error!(job = %job.id, problem, "a result cannot be merged");
+        self.apply(Event::JobFailed { job: job.id, problem });
+        Delivered::Taken
+    }
+
+    fn merge(
+        &self,
+        job: &JobRecord,
+        merging: &mut Option<Merging>,
+        lease: Lease,
+        payload: Payload,
+    ) -> Result<(), String> {
+        match (payload, lease.work) {
+            (Payload::Choice { method, reason }, _) => {
+                self.choose(job, method, reason).map_err(|problem| problem.to_string())
+            }
+            (Payload::FirstSurfaces(seen), _) => {
+                self.seen_first.insert(&job.description().scene, seen);
+                Ok(())
+            }
+            (Payload::Pilot(pilot), _) => {
+                *merging = Some(self.begin(job, &pilot)?);
+                Ok(())
+            }
+            (Payload::Tally(tally, message), Work::Shard(index, _)) => {
+                let merging = merging.as_mut().ok_or("a tally came before the pilot")?;
+                if let Some(hook) = &self.options.faults.before_merge {
+                    hook(job.id, index);
+                }
+                merging.add(index, &tally, message)?;
+                self.apply(Event::Merged { job: job.id, totals: merging.totals() });
+                Ok(())
+            }
+            (Payload::Tally(..), _) => Err("a tally came for other work".to_owned()),
+        }
+    }
+
+    fn begin(&self, job: &JobRecord, pilot: &Pilot) -> Result<Merging, String> {
+        let (description, stop) = {
+            let facts = lock(&job.facts);
+            (facts.description.clone(), facts.terms.stop)
+        };
+        let method = description.method.ok_or("a pilot came before the method was chosen")?;
+        let (width, height) = (description.width, description.height);
+        let merging = Merging::new(width, height, pilot, &stop, method.radius_rule, method.alpha);
+        let plan = merging.plan.clone();
+        tracing::info!(job = %job.id, cost_per_pass = pilot.cost_per_pass, ?plan, "pilot done");
+        self.apply(Event::PilotDone { job: job.id, plan });
+        Ok(merging)
+    }
+}
+
+/// What a panic says.
+fn panic_message(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("no message")
+}

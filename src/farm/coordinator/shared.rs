@@ -1,0 +1,237 @@
+//! Events go in, effects are carried out.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, Weak};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use tokio::sync::{Semaphore, watch};
+use tokio_util::sync::CancellationToken;
+use tokio_util::task::TaskTracker;
+
+use super::CoordinatorOptions;
+use super::layers::SeenFirst;
+use super::scenes::SceneRecord;
+use crate::farm::EVENTS;
+use crate::farm::error::FarmError;
+use crate::farm::ids::JobId;
+use crate::farm::job::{JobRequest, JobStatus};
+use crate::farm::locks::lock;
+use crate::farm::merging::Merging;
+use crate::farm::rules::check::CheckShare;
+use crate::farm::rules::terms::{ErrorPoint, Restored, Terms};
+use crate::farm::rules::{Answer, Effects, Event, Rollback, Rules, RulesOptions};
+use crate::farm::wire::lease::JobDescription;
+
+/// How often time passes for the rules.
+const TICK: Duration = Duration::from_millis(200);
+
+/// Time since start, and what it is called outside.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Clock {
+    started: Instant,
+    started_unix: Duration,
+}
+
+impl Clock {
+    fn start() -> Self {
+        let started_unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        Self { started: Instant::now(), started_unix }
+    }
+
+    /// Time since start.
+    pub(super) fn now(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    /// Time since 1970 at `now`.
+    pub(super) fn unix(&self, now: Duration) -> Duration {
+        self.started_unix + now
+    }
+}
+
+/// What all clones of a handle share.
+pub(in crate::farm) struct Shared {
+    pub(in crate::farm) options: CoordinatorOptions,
+    pub(super) clock: Clock,
+    state: Mutex<State>,
+    pub(super) seen_first: SeenFirst,
+    pub(super) uploads: Semaphore,
+    /// Rises whenever a waiting worker should ask again.
+    pub(in crate::farm) work: watch::Sender<u64>,
+    stopped: CancellationToken,
+    /// Uploads and results under way.
+    pub(in crate::farm) busy: TaskTracker,
+}
+
+/// What the state mutex guards.
+pub(in crate::farm) struct State {
+    pub(in crate::farm) rules: Rules,
+    pub(super) jobs: BTreeMap<JobId, Arc<JobRecord>>,
+    pub(super) scenes: HashMap<String, Arc<SceneRecord>>,
+    pub(super) is_closed: bool,
+}
+
+/// A job beside the rules.
+pub(in crate::farm) struct JobRecord {
+    pub(in crate::farm) id: JobId,
+    pub(super) facts: Mutex<JobFacts>,
+    /// Rises when part of the job is done again.
+    pub(in crate::farm) generation: AtomicU32,
+    pub(in crate::farm) merging: Mutex<Option<Merging>>,
+    pub(super) status: watch::Sender<JobStatus>,
+}
+
+/// What was asked for, and what was made of it.
+#[derive(Clone, Debug)]
+pub(super) struct JobFacts {
+    pub(super) request: JobRequest,
+    pub(super) description: JobDescription,
+    pub(super) terms: Terms,
+    /// Seconds since 1970.
+    pub(super) submitted: u64,
+    /// How its error fell, once it has ended.
+    pub(super) history: Vec<ErrorPoint>,
+}
+
+/// Runs `work` on a thread that may block.
+pub(in crate::farm) async fn blocking<T: Send + 'static>(
+    work: impl FnOnce() -> Result<T, FarmError> + Send + 'static,
+) -> Result<T, FarmError> {
+    match tokio::task::spawn_blocking(work).await {
+        Ok(result) => result,
+        Err(problem) => {
+            tracing::error!(%problem, "the coordinator's own work failed");
+            Err(FarmError::Internal(problem.to_string()))
+        }
+    }
+}
+
+impl JobRecord {
+    pub(super) fn new(id: JobId, facts: JobFacts, status: JobStatus) -> Self {
+        Self {
+            id,
+            facts: Mutex::new(facts),
+            generation: AtomicU32::new(0),
+            merging: Mutex::new(None),
+            status: watch::Sender::new(status),
+        }
+    }
+
+    /// What workers need to know.
+    pub(in crate::farm) fn description(&self) -> JobDescription {
+        lock(&self.facts).description.clone()
+    }
+
+    /// What was asked for.
+    pub(super) fn request(&self) -> JobRequest {
+        lock(&self.facts).request.clone()
+    }
+
+    /// How the error fell until the job ended.
+    pub(super) fn history(&self) -> Vec<ErrorPoint> {
+        lock(&self.facts).history.clone()
+    }
+
+    pub(super) fn watch(&self) -> watch::Receiver<JobStatus> {
+        self.status.subscribe()
+    }
+}
+
+impl Shared {
+    pub(super) fn start(options: CoordinatorOptions) -> Arc<Self> {
+        let clock = Clock::start();
+        let rules = RulesOptions {
+            lease_duration: options.lease_duration,
+            memory_budget: options.limits.job_memory,
+            check_share: CheckShare::new(options.check_share),
+            // Ids that rise from one run to the next: a worker of an earlier run is not taken for one of this.
+            first_id: clock.unix(Duration::ZERO).as_micros() as u64,
+        };
+        let state = State { rules: Rules::new(rules), jobs: BTreeMap::new(), scenes: HashMap::new(), is_closed: false };
+        let shared = Self {
+            uploads: Semaphore::new(options.limits.uploads),
+            options,
+            clock,
+            state: Mutex::new(state),
+            seen_first: SeenFirst::default(),
+            work: watch::Sender::new(0),
+            stopped: CancellationToken::new(),
+            busy: TaskTracker::new(),
+        };
+        let shared = Arc::new(shared);
+        tokio::spawn(keep_time(Arc::downgrade(&shared), shared.stopped.clone()));
+        shared
+    }
+
+    pub(in crate::farm) fn lock(&self) -> MutexGuard<'_, State> {
+        lock(&self.state)
+    }
+
+    /// Lets `event` happen, carries out what follows, and answers the one who brought it.
+    pub(in crate::farm) fn apply(&self, event: Event) -> Answer {
+        let mut state = self.lock();
+        let now = self.clock.now();
+        let Effects { answer, changed, ended, rollbacks, notices, work_appeared } = state.rules.apply(now, event);
+        for job in changed.iter().filter_map(|id| state.jobs.get(id)) {
+            job.status.send_replace(state.status(job, &self.clock));
+        }
+        for notice in &notices {
+            tracing::info!(target: EVENTS, "{notice}");
+        }
+        for id in ended {
+            self.forget_ended(&mut state, id);
+        }
+        drop(state);
+        for rollback in rollbacks {
+            self.roll_back(rollback);
+        }
+        if work_appeared {
+            self.work.send_modify(|version| *version += 1);
+        }
+        answer
+    }
+
+    /// An ended job is no business of the rules any more; its last status stays.
+    fn forget_ended(&self, state: &mut State, id: JobId) {
+        if let Some((job, progress)) = state.jobs.get(&id).zip(state.rules.job(id)) {
+            let mut facts = lock(&job.facts);
+            facts.history.clone_from(&progress.history);
+            facts.terms.clone_from(&progress.terms);
+        }
+        state.rules.apply(self.clock.now(), Event::JobForgotten { job: id });
+    }
+
+    /// Does a job again from the beginning, because what was merged is not to be trusted.
+    fn roll_back(&self, rollback: Rollback) {
+        let Ok(job) = self.job(rollback.job) else { return };
+        let terms = lock(&job.facts).terms.clone();
+        *lock(&job.merging) = None;
+        job.generation.fetch_add(1, Ordering::Relaxed);
+        self.apply(Event::JobRestored { job: job.id, terms, restored: Restored::default() });
+    }
+
+    /// The job with this id.
+    pub(in crate::farm) fn job(&self, id: JobId) -> Result<Arc<JobRecord>, FarmError> {
+        self.lock().jobs.get(&id).cloned().ok_or(FarmError::UnknownJob(id))
+    }
+
+    /// Ends when every tally that arrived has been merged.
+    pub(super) async fn stop(&self) {
+        self.busy.close();
+        self.busy.wait().await;
+        self.stopped.cancel();
+    }
+}
+
+/// Lets time pass until the coordinator is stopped or dropped.
+async fn keep_time(shared: Weak<Shared>, stopped: CancellationToken) {
+    let mut interval = tokio::time::interval(TICK);
+    interval.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
+    while stopped.run_until_cancelled(interval.tick()).await.is_some() {
+        match shared.upgrade() {
+            Some(shared) => drop(shared.apply(Event::TimePassed)),
+            None => return,
+        }
+    }
+}

@@ -1,0 +1,229 @@
+//! A farm inside a program: a coordinator, workers and a door to both, in this process.
+//!
+//! Workers speak HTTP to the coordinator over loopback like any others, so everything that happens on a large farm happens here.
+//!
+//! ```no_run
+//! use photonfarm::farm::LocalFarm;
+//! use photonfarm::farm::job::JobRequest;
+//!
+//! # async fn render(scene: Vec<u8>) -> Result<(), Box<dyn std::error::Error>> {
+//! let farm = LocalFarm::builder().workers(2).start().await?;
+//! let scene = farm.client().add_scene(scene).await?;
+//! let job = farm.client().submit(JobRequest::of_scene(scene.hash)).await?;
+//! let mut status = farm.client().watch(job)?;
+//! status.wait_for(|status| status.state.is_final()).await?;
+//! let (picture, _) = farm.client().picture(job).await?;
+//! println!("{} × {} pixels", picture.width, picture.height);
+//! farm.stop().await;
+//! # Ok(())
+//! # }
+//! ```
+
+use std::net::SocketAddr;
+use std::time::Duration;
+
+use axum::Router;
+use tokio::net::TcpListener;
+use tokio::task::{JoinHandle, JoinSet};
+use tokio_util::sync::CancellationToken;
+
+use super::prepared_scenes::PreparedScenes;
+use super::worker::{KEPT_SCENES, WorkerError, WorkerOptions, run_worker};
+use super::{CoordinatorHandle, CoordinatorOptions, http};
+
+/// How long requests and workers may take to end.
+const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(10);
+
+/// A farm that cannot start, or does not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum LocalFarmError {
+    /// The address cannot be had.
+    #[error("cannot listen at {address}: {problem}; give a free address as HOST:PORT")]
+    Listen {
+        /// The address.
+        address: String,
+        /// What the system says.
+        problem: std::io::Error,
+    },
+    /// The server ended.
+    #[error("the coordinator's server ended: {0}")]
+    Server(String),
+    /// A worker ended.
+    #[error(transparent)]
+    Worker(#[from] WorkerError),
+}
+
+/// Makes the routes that are served beside the workers' protocol; the token is cancelled when the farm stops.
+type Routes = Box<dyn FnOnce(CoordinatorHandle, CancellationToken) -> Router + Send>;
+
+/// What a farm is made of.
+pub struct LocalFarmBuilder {
+    listen: String,
+    workers: usize,
+    threads: usize,
+    options: CoordinatorOptions,
+    routes: Option<Routes>,
+}
+
+impl LocalFarmBuilder {
+    /// Where the coordinator listens, `127.0.0.1:0` (any free port) by default.
+    pub fn listen(mut self, address: impl Into<String>) -> Self {
+        self.listen = address.into();
+        self
+    }
+
+    /// How many workers to start, 1 by default. The picture does not depend on it.
+    pub fn workers(mut self, workers: usize) -> Self {
+        self.workers = workers;
+        self
+    }
+
+    /// Threads of each worker, 1 by default. The picture does not depend on it.
+    pub fn threads(mut self, threads: usize) -> Self {
+        self.threads = threads;
+        self
+    }
+
+    /// How the coordinator runs. Its prepared scenes are those that the workers use, too.
+    pub fn options(mut self, options: CoordinatorOptions) -> Self {
+        self.options = options;
+        self
+    }
+
+    /// Further routes, for example a REST interface.
+    pub fn routes(
+        mut self,
+        routes: impl FnOnce(CoordinatorHandle, CancellationToken) -> Router + Send + 'static,
+    ) -> Self {
+        self.routes = Some(Box::new(routes));
+        self
+    }
+
+    /// Starts everything. Must be called inside a tokio runtime.
+    pub async fn start(self) -> Result<LocalFarm, LocalFarmError> {
+        let Self { listen, workers, threads, options, routes } = self;
+        let cannot_listen = |problem| LocalFarmError::Listen { address: listen.clone(), problem };
+        let listener = TcpListener::bind(&listen).await.map_err(cannot_listen)?;
+        let address = listener.local_addr().map_err(cannot_listen)?;
+        let scenes = PreparedScenes::new(if workers > 0 { KEPT_SCENES } else { 0 });
+        let coordinator = CoordinatorHandle::start(CoordinatorOptions { scenes: scenes.clone(), ..options });
+        let server_shutdown = CancellationToken::new();
+        let further = routes.map(|routes| routes(coordinator.clone(), server_shutdown.clone()));
+        let protocol = Router::new().nest("/farm/v1", http::router(coordinator.clone()));
+        let application = protocol.merge(further.unwrap_or_default());
+        let stopped = server_shutdown.clone().cancelled_owned();
+        let server =
+            tokio::spawn(async move { axum::serve(listener, application).with_graceful_shutdown(stopped).await });
+        let mut farm = LocalFarm {
+            address,
+            coordinator,
+            scenes,
+            server,
+            server_shutdown,
+            workers: JoinSet::new(),
+            workers_shutdown: CancellationToken::new(),
+        };
+        for index in 1..=workers {
+            farm.add_worker(&format!("local-{index}"), threads);
+        }
+        Ok(farm)
+    }
+}
+
+/// A running coordinator with its workers.
+pub struct LocalFarm {
+    address: SocketAddr,
+    coordinator: CoordinatorHandle,
+    scenes: PreparedScenes,
+    server: JoinHandle<std::io::Result<()>>,
+    server_shutdown: CancellationToken,
+    workers: JoinSet<Result<(), WorkerError>>,
+    workers_shutdown: CancellationToken,
+}
+
+impl LocalFarm {
+    /// A farm of one worker with one thread, at any free port of loopback.
+    pub fn builder() -> LocalFarmBuilder {
+        LocalFarmBuilder {
+            listen: "127.0.0.1:0".to_owned(),
+            workers: 1,
+            threads: 1,
+            options: CoordinatorOptions::default(),
+            routes: None,
+        }
+    }
+
+    /// The door to the coordinator.
+    pub fn client(&self) -> &CoordinatorHandle {
+        &self.coordinator
+    }
+
+    /// Where the coordinator listens.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// An address at which this process reaches the coordinator.
+    pub fn url(&self) -> String {
+        match self.address {
+            SocketAddr::V4(address) if address.ip().is_unspecified() => format!("http://127.0.0.1:{}", address.port()),
+            SocketAddr::V6(address) if address.ip().is_unspecified() => format!("http://[::1]:{}", address.port()),
+            address => format!("http://{address}"),
+        }
+    }
+
+    /// Starts one more worker. It stops when the returned token is cancelled, or with the farm.
+    pub fn add_worker(&mut self, name: &str, threads: usize) -> CancellationToken {
+        let stop = self.workers_shutdown.child_token();
+        let options =
+            WorkerOptions { coordinator: self.url(), name: name.to_owned(), threads, scenes: self.scenes.clone() };
+        self.workers.spawn(run_worker(options, stop.clone()));
+        stop
+    }
+
+    /// Waits until the server or a worker fails; for ever when all is well.
+    pub async fn failure(&mut self) -> LocalFarmError {
+        loop {
+            tokio::select! {
+                ended = &mut self.server => return LocalFarmError::Server(match ended {
+                    Ok(Err(error)) => error.to_string(),
+                    Err(error) => error.to_string(),
+                    Ok(Ok(())) => "nobody asked it to".to_owned(),
+                }),
+                Some(ended) = self.workers.join_next() => match ended {
+                    Ok(Ok(())) => {}
+                    Ok(Err(error)) => return error.into(),
+                    Err(error) => return LocalFarmError::Server(format!("a worker crashed: {error}")),
+                },
+            }
+        }
+    }
+
+    /// Waits for shards that are being traced, for at most `patience`, while no new ones are leased.
+    pub async fn drain(&self, patience: Duration) {
+        const LOOK: Duration = Duration::from_millis(50);
+        self.coordinator.drain();
+        let drained = async {
+            while self.coordinator.leases() > 0 {
+                tokio::time::sleep(LOOK).await;
+            }
+        };
+        let _ = tokio::time::timeout(patience, drained).await;
+    }
+
+    /// Lets workers give back their shards, merges what has arrived, answers open requests and stops.
+    pub async fn stop(mut self) {
+        self.coordinator.drain();
+        self.workers_shutdown.cancel();
+        let orderly = async {
+            while self.workers.join_next().await.is_some() {}
+            self.coordinator.shutdown().await;
+            self.server_shutdown.cancel();
+            let _ = (&mut self.server).await;
+        };
+        if tokio::time::timeout(SHUTDOWN_PATIENCE, orderly).await.is_err() {
+            tracing::warn!("requests or workers did not end in time; they are cut off");
+            self.server_shutdown.cancel();
+        }
+    }
+}

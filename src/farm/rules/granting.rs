@@ -1,0 +1,177 @@
+//! Which work a worker gets.
+//!
+//! **Fair shares.** Every grant adds its nominal cost over the job's priority to what the job was served; among the jobs with work for
+//! a worker the one that was served least is next, the oldest of equals. A job that comes or comes back begins at what the others
+//! were served, a little credit aside, so it neither waits for them nor makes them wait. So any shard that can be issued is issued after a bounded
+//! number of grants, whatever else runs.
+//!
+//! **Memory.** A job's state exists from its pilot on. A job whose state does not fit beside the running ones' waits, and so do jobs
+//! after it: the large one's turn comes.
+//!
+//! **Prefetching.** A worker asks for its next shard while it traces one. Where all that is left of the running jobs are a few last
+//! shards, these are kept for workers that hold nothing.
+
+use std::time::Duration;
+
+use super::job::{Job, LEASE_COST, UNKNOWN_COST};
+use super::lease::{Lease, Work, WorkIndex};
+use super::plan::Plan;
+use super::{Answer, Rules};
+use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
+use crate::farm::job::Priority;
+
+/// One lease being traced, one prefetched, one on its way back.
+const LEASES_PER_WORKER: usize = 3;
+/// A shard is overdue after this many times its typical duration, for a worker that holds nothing …
+const OVERDUE_FOR_IDLE: u32 = 2;
+/// … for one that has other work …
+const OVERDUE_FOR_BUSY: u32 = 6;
+/// … but not before.
+const OVERDUE_LEAST: Duration = Duration::from_millis(500);
+/// What a job that could not take its share may catch up at most, nominal microseconds at the default priority.
+const CREDIT: u64 = 1_000_000;
+/// Passes that a pilot takes as long as.
+const PILOT_PASSES: u64 = 3;
+
+/// Work that a worker may be given.
+struct Candidate {
+    job: JobId,
+    work: Work,
+    served: u64,
+    /// One of the last shards of its job.
+    is_scarce: bool,
+}
+
+impl Rules {
+    /// A worker asks for work.
+    pub(super) fn grant(&mut self, now: Duration, worker: WorkerId) -> Answer {
+        if !self.record_contact(now, worker) {
+            return Answer::UnknownWorker;
+        }
+        if self.is_draining {
+            return Answer::Draining;
+        }
+        let held = self.leases.of_worker(worker).count();
+        let is_set_aside = self.roster.get(worker).is_some_and(|record| record.set_aside(now).is_some());
+        if is_set_aside || held >= LEASES_PER_WORKER {
+            return Answer::NoWork;
+        }
+        if let Some(job) = self.next_errand() {
+            return self.issue(now, worker, job, Work::FirstSurfaces, Fencing::default());
+        }
+        let Some(Candidate { job, work, served, .. }) = self.choose(now, worker, held) else { return Answer::NoWork };
+        self.served = self.served.max(served);
+        let Some(granted) = self.jobs.get_mut(&job) else { return Answer::NoWork };
+        granted.served = served + share(granted.cost(&work), granted.terms.priority);
+        let fencing = granted.issue(&work, now);
+        self.issue(now, worker, job, work, fencing)
+    }
+
+    fn issue(&mut self, now: Duration, worker: WorkerId, job: JobId, work: Work, fencing: Fencing) -> Answer {
+        self.pending.changed.insert(job);
+        let deadline = now + self.options.lease_duration;
+        let lease = Lease { id: LeaseId::default(), job, worker, work, fencing, issued: now, deadline };
+        Answer::Granted(self.leases.issue(lease))
+    }
+
+    /// The job with the oldest errand that nobody runs.
+    fn next_errand(&self) -> Option<JobId> {
+        let is_free = |job: &JobId| self.leases.of_work(*job, WorkIndex::FirstSurfaces).next().is_none();
+        self.errands.keys().copied().find(is_free)
+    }
+
+    /// The work of the job whose turn it is.
+    fn choose(&self, now: Duration, worker: WorkerId, held: usize) -> Option<Candidate> {
+        let mut memory = self.free_memory();
+        let mut best: Option<Candidate> = None;
+        let mut all_scarce = true;
+        for (id, job) in &self.jobs {
+            if !job.takes_workers() {
+                continue;
+            }
+            if !job.is_admitted && !job.terms.chooses_method {
+                // Whoever comes later must not take the memory that this one waits for.
+                let fits = memory.is_none_or(|free| job.terms.memory <= free);
+                memory = memory.map(|free| free.saturating_sub(job.terms.memory));
+                if !fits {
+                    memory = Some(0);
+                    continue;
+                }
+            }
+            let Some(candidate) = self.candidate(now, worker, held, *id, job) else { continue };
+            all_scarce &= candidate.is_scarce;
+            if best.as_ref().is_none_or(|best| candidate.served < best.served) {
+                best = Some(candidate);
+            }
+        }
+        best.filter(|_| held == 0 || !all_scarce)
+    }
+
+    /// Bytes left for jobs that have not begun; `None` for any number, when nothing runs: a job that needs more than all would else wait
+    /// for ever.
+    fn free_memory(&self) -> Option<u64> {
+        let mut running = self.jobs.values().filter(|job| job.is_admitted && !job.has_ended()).peekable();
+        running.peek()?;
+        let used = running.map(|job| job.terms.memory).fold(0, u64::saturating_add);
+        Some(self.options.memory_budget.saturating_sub(used))
+    }
+
+    fn candidate(&self, now: Duration, worker: WorkerId, held: usize, id: JobId, job: &Job) -> Option<Candidate> {
+        if self.roster.get(worker).is_some_and(|record| record.is_set_aside_for(id, now)) {
+            return None;
+        }
+        let is_held = |shard| self.leases.of_work(id, WorkIndex::Check(shard)).next().is_some();
+        let check = job.checks.next_for(worker, is_held).and_then(|shard| job.work(WorkIndex::Check(shard)));
+        let has_others = || self.roster.has_other(worker, id, now, self.options.lease_duration);
+        let fresh = || job.next_work(worker, has_others);
+        let work = check.or_else(fresh).or_else(|| self.overdue_work(now, worker, held, id, job))?;
+        let is_scarce = job.unissued() <= self.roster.count() as u64;
+        Some(Candidate { job: id, work, served: job.served.max(self.served.saturating_sub(CREDIT)), is_scarce })
+    }
+
+    /// Work that another worker holds for too long; whoever delivers first wins.
+    fn overdue_work(&self, now: Duration, worker: WorkerId, held: usize, id: JobId, job: &Job) -> Option<Work> {
+        let factor = if held == 0 { OVERDUE_FOR_IDLE } else { OVERDUE_FOR_BUSY };
+        let is_overdue = |lease: &&Lease| {
+            let typical = job.typical_duration(&lease.work);
+            let limit = typical.map(|typical| (typical * factor).max(OVERDUE_LEAST));
+            limit.is_some_and(|limit| now.saturating_sub(lease.issued) > limit)
+                && matches!(lease.work, Work::Shard(..))
+                && lease.worker != worker
+                && self.leases.of_work(id, lease.work.index()).count() == 1
+        };
+        self.leases.of_job(id).find(is_overdue).map(|lease| lease.work)
+    }
+
+    /// Records that a worker was heard of; answers whether it is known.
+    pub(super) fn record_contact(&mut self, now: Duration, worker: WorkerId) -> bool {
+        let was_silent = self.roster.get(worker).is_some_and(|record| record.is_silent);
+        let is_known = self.roster.record_contact(worker, now).is_some();
+        if was_silent {
+            self.jobs.values_mut().for_each(|job| job.found_worker(worker));
+            self.look_for_workers(now);
+        }
+        is_known
+    }
+}
+
+impl Job {
+    /// Whether workers may be given its work.
+    fn takes_workers(&self) -> bool {
+        use crate::farm::job::JobState::{Choosing, Queued, Running};
+        matches!(self.state, Queued | Choosing | Running) && !self.is_rolling_back
+    }
+}
+
+/// What a job is served by work of this cost.
+fn share(cost: u64, priority: Priority) -> u64 {
+    (cost.saturating_mul(u64::from(Priority::DEFAULT.get())) / u64::from(priority.get())).max(1)
+}
+
+/// Charges a job for its pilot, now that one knows what it cost.
+pub(super) fn charge_pilot(job: &mut Job, plan: &Plan) {
+    let priority = job.terms.priority;
+    let before = job.served.saturating_sub(share(UNKNOWN_COST, priority));
+    let cost = plan.cost_per_pass.saturating_mul(PILOT_PASSES * plan.regions.len() as u64).max(LEASE_COST);
+    job.served = before + share(cost, priority);
+}

@@ -1,0 +1,267 @@
+//! What becomes of results, of heartbeats, and of promises that are not kept.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use super::check::{Digest, Verdict};
+use super::lease::{Closed, Lease, Work, WorkIndex};
+use super::terms::PauseReason;
+use super::{Answer, Notice, Outcome, Rollback, Rules, SILENT_LEASES};
+use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
+use crate::farm::job::JobState;
+
+/// Workers that may fail at an errand before it is given up.
+const FAILURES_PER_ERRAND: usize = 3;
+
+impl Rules {
+    /// A worker delivers.
+    pub(super) fn result(
+        &mut self,
+        now: Duration,
+        worker: WorkerId,
+        id: LeaseId,
+        fencing: Fencing,
+        outcome: &Outcome,
+    ) -> Answer {
+        self.record_contact(now, worker);
+        let lease = match self.leases.get(id) {
+            Some(lease) if lease.worker == worker && lease.fencing == fencing => *lease,
+            Some(_) => return Answer::Fenced,
+            None => {
+                return match self.leases.closed(id) {
+                    Some(Closed::Delivered | Closed::Superseded) => Answer::AlreadyMerged,
+                    Some(Closed::Fenced | Closed::JobEnded) | None => Answer::Fenced,
+                };
+            }
+        };
+        match outcome {
+            Outcome::Accepted(digest) => self.take(now, lease, *digest),
+            Outcome::Refused(problem) | Outcome::Failed(problem) => {
+                self.record_failure(now, lease, problem, matches!(outcome, Outcome::Failed(_)))
+            }
+        }
+    }
+
+    fn take(&mut self, now: Duration, lease: Lease, digest: Option<Digest>) -> Answer {
+        self.leases.close(lease.id, Closed::Delivered);
+        let others: Vec<LeaseId> = self.leases.of_work(lease.job, lease.work.index()).map(|other| other.id).collect();
+        for other in others {
+            self.leases.close(other, Closed::Superseded);
+        }
+        if let Some(worker) = self.roster.get_mut(lease.worker) {
+            worker.succeeded(lease.job);
+        }
+        self.pending.changed.insert(lease.job);
+        match (lease.work, digest) {
+            (Work::FirstSurfaces, _) => drop(self.errands.remove(&lease.job)),
+            (Work::Check(shard, _), Some(digest)) => return self.compare(now, &lease, shard, digest),
+            (Work::Check(..), None) => return Answer::Compared,
+            (work, digest) => {
+                let Some(job) = self.jobs.get_mut(&lease.job) else { return Answer::Fenced };
+                job.arrive(&work, lease.worker, now.saturating_sub(lease.issued));
+                if let (Work::Shard(shard, _), Some(digest)) = (work, digest) {
+                    job.checks.begin(shard, lease.worker, digest);
+                    self.pending.work_appeared = true;
+                }
+            }
+        }
+        Answer::Take(lease)
+    }
+
+    /// A second worker, or a further one, traced a shard that was merged before.
+    fn compare(&mut self, now: Duration, lease: &Lease, shard: u64, digest: Digest) -> Answer {
+        let Some(job) = self.jobs.get_mut(&lease.job) else { return Answer::Compared };
+        match job.checks.compare(shard, lease.worker, digest) {
+            None | Some(Verdict::Verified) => {}
+            Some(Verdict::Undecided) => {
+                self.pending.notices.push(Notice::Mismatch { job: lease.job, shard });
+                self.pending.work_appeared = true;
+            }
+            Some(Verdict::Odd(workers)) => {
+                workers.into_iter().for_each(|odd| self.distrust(now, odd, lease.job, shard))
+            }
+            Some(Verdict::Hopeless) => {
+                let problem = format!("no two workers agree on shard {shard}: their builds or machines differ");
+                self.end(now, lease.job, JobState::Failed, Some(problem));
+            }
+        }
+        Answer::Compared
+    }
+
+    /// A worker returned wrong bits: it gets no work for long, and what it contributed to any job is done again.
+    fn distrust(&mut self, now: Duration, odd: WorkerId, job: JobId, shard: u64) {
+        let reason = format!("its shard {shard} of job {job} has other bits than two other workers'");
+        let name = self.roster.name(odd);
+        if let Some(record) = self.roster.get_mut(odd) {
+            record.returned_wrong_bits(now, &reason);
+        }
+        let pause = super::roster::WRONG_BITS_PAUSE;
+        self.pending.notices.push(Notice::SetAside { worker: odd, name, job: None, pause, reason });
+        let held: Vec<LeaseId> = self.leases.of_worker(odd).map(|lease| lease.id).collect();
+        held.into_iter().for_each(|id| self.fence(id));
+        let contributed: Vec<Rollback> = self
+            .jobs
+            .iter()
+            .filter(|(_, job)| !job.has_ended())
+            .filter_map(|(id, job)| {
+                let keep = match job.first_contribution(odd)? {
+                    WorkIndex::Shard(first) => Some(first),
+                    _ => None,
+                };
+                Some(Rollback { job: *id, keep })
+            })
+            .collect();
+        for rollback in contributed {
+            self.close_all(rollback.job, Closed::Fenced);
+            if let Some(job) = self.jobs.get_mut(&rollback.job) {
+                job.is_rolling_back = true;
+            }
+            self.pending.rollbacks.push(rollback);
+        }
+    }
+
+    fn record_failure(&mut self, now: Duration, lease: Lease, problem: &str, is_own_word: bool) -> Answer {
+        let (name, work) = (self.roster.name(lease.worker), lease.work.index());
+        if let Some(worker) = self.roster.get_mut(lease.worker) {
+            // A worker's own error message may well be the scene's fault; a result that does not fit is the worker's.
+            let (pause, job) = if is_own_word {
+                (worker.failed(lease.job, now, problem), Some(lease.job))
+            } else {
+                (worker.refused(now, problem), None)
+            };
+            if let Some(pause) = pause {
+                let (name, reason) = (name.clone(), problem.to_owned());
+                self.pending.notices.push(Notice::SetAside { worker: lease.worker, name, job, pause, reason });
+            }
+        }
+        self.pending.notices.push(Notice::BadResult { name, job: lease.job, work, problem: problem.to_owned() });
+        if work == WorkIndex::FirstSurfaces {
+            self.fail_errand(lease.job);
+        } else if let Some(job) = self.jobs.get_mut(&lease.job).filter(|job| is_own_word && !job.has_ended()) {
+            job.fail_work(work, lease.worker, problem, now);
+        }
+        self.fence(lease.id);
+        self.record_end(lease.job);
+        Answer::Recorded
+    }
+
+    fn fail_errand(&mut self, job: JobId) {
+        let Some(errand) = self.errands.get_mut(&job) else { return };
+        errand.failures += 1;
+        if errand.failures >= FAILURES_PER_ERRAND {
+            self.errands.remove(&job);
+        }
+    }
+
+    /// Whether somebody still waits for, or works on, what the job's scene shows first.
+    pub fn has_errand(&self, job: JobId) -> bool {
+        self.errands.contains_key(&job)
+    }
+
+    pub(super) fn keep_alive(&mut self, now: Duration, worker: WorkerId, leases: &[LeaseId]) -> Answer {
+        if !self.record_contact(now, worker) {
+            return Answer::UnknownWorker;
+        }
+        let is_own = |rules: &Self, id| rules.leases.get(id).is_some_and(|lease| lease.worker == worker);
+        let (kept, cancelled): (Vec<LeaseId>, Vec<LeaseId>) = leases.iter().partition(|id| is_own(self, **id));
+        for id in kept {
+            self.leases.extend(id, now + self.options.lease_duration);
+        }
+        Answer::Alive { cancelled, drain: self.is_draining }
+    }
+
+    pub(super) fn release(&mut self, now: Duration, worker: WorkerId, leases: &[LeaseId]) -> Answer {
+        self.record_contact(now, worker);
+        for id in leases {
+            if self.leases.get(*id).is_some_and(|lease| lease.worker == worker) {
+                self.fence(*id);
+            }
+        }
+        Answer::Done
+    }
+
+    /// Leases expire, seconds run out, silent workers are forgotten.
+    pub(super) fn pass_time(&mut self, now: Duration) -> Answer {
+        self.expire(now);
+        let over: Vec<JobId> =
+            self.jobs.iter().filter(|(_, job)| job.seconds_run_out(now)).map(|(id, _)| *id).collect();
+        for id in over {
+            self.with_job(id, |_, job| job.stop_by_seconds(now));
+            self.record_end(id);
+        }
+        for worker in self.roster.silent(now, self.options.lease_duration * SILENT_LEASES) {
+            let held: Vec<LeaseId> = self.leases.of_worker(worker).map(|lease| lease.id).collect();
+            held.into_iter().for_each(|id| self.fence(id));
+            if let Some(record) = self.roster.remove(now, worker) {
+                self.pending.notices.push(Notice::Forgotten { worker, name: record.name });
+            }
+        }
+        self.look_for_workers(now);
+        Answer::Done
+    }
+
+    fn expire(&mut self, now: Duration) {
+        let expired: Vec<Lease> = self.leases.active().filter(|lease| lease.deadline <= now).copied().collect();
+        let silent = self.roster.silent(now, self.options.lease_duration);
+        let mut counts: BTreeMap<WorkerId, usize> = BTreeMap::new();
+        for lease in expired {
+            *counts.entry(lease.worker).or_default() += 1;
+            let was_traced = self.leases.of_worker(lease.worker).next().is_some_and(|oldest| oldest.id == lease.id);
+            // Only what it was tracing can have ended a worker, not what it had prefetched.
+            if was_traced && counts[&lease.worker] == 1 && silent.contains(&lease.worker) {
+                self.lose(now, &lease);
+            }
+            self.fence(lease.id);
+        }
+        for worker in silent {
+            let Some(record) = self.roster.get_mut(worker).filter(|record| !record.is_silent) else { continue };
+            record.is_silent = true;
+            let (name, leases) = (record.name.clone(), counts.get(&worker).copied().unwrap_or(0));
+            self.pending.notices.push(Notice::Silent { worker, name, leases });
+        }
+    }
+
+    /// A worker fell silent over some work. Work that costs too many workers is issued to nobody until its user says so.
+    fn lose(&mut self, now: Duration, lease: &Lease) {
+        let index = lease.work.index();
+        let Some(job) = self.jobs.get_mut(&lease.job).filter(|job| !job.has_ended()) else { return };
+        if job.lose_worker(index, lease.worker) && job.state != JobState::Paused {
+            self.pause(now, lease.job, PauseReason::WorkersLost { work: index.to_string() });
+        }
+    }
+
+    /// Ends a lease whose work goes to someone else, unless a second lease of the same work lives.
+    pub(super) fn fence(&mut self, id: LeaseId) {
+        let Some(lease) = self.leases.close(id, Closed::Fenced) else { return };
+        let is_held = self.leases.of_work(lease.job, lease.work.index()).next().is_some();
+        if let Some(job) = self.jobs.get_mut(&lease.job).filter(|_| !is_held) {
+            job.give_back(lease.work.index());
+        }
+        self.pending.changed.insert(lease.job);
+        self.pending.work_appeared = true;
+    }
+
+    /// Ends leases of no use any more, after a job has changed its end or ended.
+    pub(super) fn close_useless(&mut self, id: JobId) {
+        let Some(job) = self.jobs.get(&id) else { return };
+        let (ended, limit, has_plan) = (job.has_ended(), job.limit(), job.plan.is_some());
+        let is_useless = |lease: &&Lease| match lease.work.index() {
+            WorkIndex::Shard(index) => ended || (has_plan && index >= limit),
+            WorkIndex::FirstSurfaces => false,
+            WorkIndex::Choice | WorkIndex::Pilot | WorkIndex::Check(_) => ended,
+        };
+        let useless: Vec<LeaseId> = self.leases.of_job(id).filter(is_useless).map(|lease| lease.id).collect();
+        for id in useless {
+            self.leases.close(id, Closed::JobEnded);
+        }
+    }
+
+    /// Ends all leases of a job but errands.
+    pub(super) fn close_all(&mut self, id: JobId, reason: Closed) {
+        let is_job = |lease: &&Lease| lease.work.index() != WorkIndex::FirstSurfaces;
+        let all: Vec<LeaseId> = self.leases.of_job(id).filter(is_job).map(|lease| lease.id).collect();
+        for id in all {
+            self.leases.close(id, reason);
+        }
+    }
+}
