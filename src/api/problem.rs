@@ -67,6 +67,11 @@ impl Problem {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-request", detail).remedy(remedy)
     }
 
+    /// A body that ends too early.
+    pub fn broken_body(problem: &axum::Error) -> Self {
+        Self::new(StatusCode::BAD_REQUEST, "broken-body", problem.to_string()).remedy("send the request again")
+    }
+
     /// No job has this id.
     pub fn unknown_job(id: &str) -> Self {
         Self::new(StatusCode::NOT_FOUND, "unknown-job", format!("there is no job \"{id}\""))
@@ -133,6 +138,9 @@ impl From<FarmError> for Problem {
             FarmError::Conflict { problem, remedy } => {
                 Self::new(StatusCode::CONFLICT, "conflict", problem).remedy(remedy)
             }
+            FarmError::Store { problem } => Self::new(StatusCode::SERVICE_UNAVAILABLE, "store-fails", problem)
+                .remedy("make room, or wait until the store works again")
+                .retry_after(Duration::from_secs(5)),
             FarmError::ShuttingDown => {
                 Self::new(StatusCode::SERVICE_UNAVAILABLE, "shutting-down", detail).retry_after(Duration::from_secs(1))
             }

@@ -1,14 +1,16 @@
 //! Scenes: upload once, refer to by hash.
 
 use axum::Json;
+use axum::body::Body;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use futures_util::StreamExt;
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::ApiState;
-use super::extract::{PathValue, RawBody};
+use super::extract::PathValue;
 use super::problem::Problem;
 use crate::farm::SceneSummary;
 
@@ -49,8 +51,20 @@ impl From<SceneSummary> for SceneView {
         (status = 422, description = "Cannot be rendered", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn upload_scene(State(state): State<ApiState>, RawBody(bytes): RawBody) -> Result<Response, Problem> {
-    let view = SceneView::from(state.coordinator.add_scene(bytes.into()).await?);
+pub async fn upload_scene(State(state): State<ApiState>, body: Body) -> Result<Response, Problem> {
+    let mut upload = state.coordinator.begin_upload().await?;
+    let mut chunks = body.into_data_stream();
+    while let Some(chunk) = chunks.next().await {
+        let taken = match chunk {
+            Ok(bytes) => upload.write(&bytes).await.map_err(Problem::from),
+            Err(problem) => Err(Problem::broken_body(&problem)),
+        };
+        if let Err(problem) = taken {
+            upload.abort().await?;
+            return Err(problem);
+        }
+    }
+    let view = SceneView::from(upload.finish().await?);
     let location = view.links.this.clone();
     Ok((StatusCode::CREATED, [(header::LOCATION, location)], Json(view)).into_response())
 }

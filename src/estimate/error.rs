@@ -41,7 +41,8 @@ const CERTAIN: f64 = 2.0;
 const MARGIN: f64 = 2.0;
 
 /// A picture's error as its own passes tell it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ErrorEstimate {
     /// relMSE by noise.
     pub noise: f64,

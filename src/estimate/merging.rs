@@ -16,13 +16,17 @@
 //!    update maps `x → x + 1` and `R² → R²·(x + α)/(x + 1)`, hence `R²` is multiplied by `Π_{j<k} (x+j+α)/(x+j+1)` and `N` becomes
 //!    `d·R²·(x + k)`.
 
+use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
+
 use super::picture::Picture;
 use super::radius::{RadiusField, RadiusRule, typical_radius_squared};
 use super::shard::{Region, Twin};
 use super::tally::{PixelTally, Tally, TallyError};
 
 /// What decides a pixel's radius, shared by both twins.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct PixelEstimate {
     /// R², m².
     pub radius_squared: f64,
@@ -31,7 +35,8 @@ pub struct PixelEstimate {
 }
 
 /// What a pixel's passes add up to, of one twin or of both.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct PixelSums {
     /// τ/R² = Σ Φᵢ/R²ᵢ, W·sr⁻¹·m⁻².
     pub flux_density: [f64; 3],
@@ -49,7 +54,8 @@ impl PixelSums {
 }
 
 /// How far a region has come.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RegionProgress {
     /// The pixels.
     pub region: Region,
@@ -129,6 +135,16 @@ impl Estimate {
             rule,
             alpha,
         }
+    }
+
+    /// The rule by which its radii shrink.
+    pub fn radius_rule(&self) -> RadiusRule {
+        self.rule
+    }
+
+    /// α of that rule.
+    pub fn alpha(&self) -> f64 {
+        self.alpha
     }
 
     /// Passes merged in every region.

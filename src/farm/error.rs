@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::ids::JobId;
+use super::store::StoreError;
 use crate::method::MethodError;
 use crate::scene::error::SceneError;
 
@@ -66,10 +67,22 @@ pub enum FarmError {
         /// What the user can do.
         remedy: String,
     },
+    /// What was asked for cannot be stored or read now.
+    #[error("{problem}; try again when the store works")]
+    Store {
+        /// What the store says.
+        problem: String,
+    },
     /// The coordinator is stopping and takes no new work.
     #[error("the coordinator is shutting down; try again when it is back")]
     ShuttingDown,
     /// A fault of the coordinator itself; its log says more.
     #[error("internal fault: {0}")]
     Internal(String),
+}
+
+impl From<StoreError> for FarmError {
+    fn from(error: StoreError) -> Self {
+        Self::Store { problem: error.to_string() }
+    }
 }

@@ -28,8 +28,9 @@ use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 
 use super::prepared_scenes::PreparedScenes;
+use super::store::Store;
 use super::worker::{KEPT_SCENES, WorkerError, WorkerOptions, run_worker};
-use super::{CoordinatorHandle, CoordinatorOptions, http};
+use super::{CoordinatorHandle, CoordinatorOptions, FarmError, http};
 
 /// How long requests and workers may take to end.
 const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(10);
@@ -45,6 +46,9 @@ pub enum LocalFarmError {
         /// What the system says.
         problem: std::io::Error,
     },
+    /// The coordinator cannot start, for example because its store cannot be read.
+    #[error(transparent)]
+    Coordinator(#[from] FarmError),
     /// The server ended.
     #[error("the coordinator's server ended: {0}")]
     Server(String),
@@ -62,6 +66,7 @@ pub struct LocalFarmBuilder {
     workers: usize,
     threads: usize,
     options: CoordinatorOptions,
+    store: Option<Store>,
     routes: Option<Routes>,
 }
 
@@ -90,6 +95,12 @@ impl LocalFarmBuilder {
         self
     }
 
+    /// Where scenes and jobs are kept; in memory by default.
+    pub fn store(mut self, store: Store) -> Self {
+        self.store = Some(store);
+        self
+    }
+
     /// Further routes, for example a REST interface.
     pub fn routes(
         mut self,
@@ -101,12 +112,17 @@ impl LocalFarmBuilder {
 
     /// Starts everything. Must be called inside a tokio runtime.
     pub async fn start(self) -> Result<LocalFarm, LocalFarmError> {
-        let Self { listen, workers, threads, options, routes } = self;
+        let Self { listen, workers, threads, options, store, routes } = self;
         let cannot_listen = |problem| LocalFarmError::Listen { address: listen.clone(), problem };
         let listener = TcpListener::bind(&listen).await.map_err(cannot_listen)?;
         let address = listener.local_addr().map_err(cannot_listen)?;
         let scenes = PreparedScenes::new(if workers > 0 { KEPT_SCENES } else { 0 });
-        let coordinator = CoordinatorHandle::start(CoordinatorOptions { scenes: scenes.clone(), ..options });
+        let store = match store {
+            Some(store) => store,
+            None => Store::in_memory().await.map_err(FarmError::from)?,
+        };
+        let options = CoordinatorOptions { scenes: scenes.clone(), ..options };
+        let coordinator = CoordinatorHandle::start(options, store).await?;
         let server_shutdown = CancellationToken::new();
         let further = routes.map(|routes| routes(coordinator.clone(), server_shutdown.clone()));
         let protocol = Router::new().nest("/farm/v1", http::router(coordinator.clone()));
@@ -149,6 +165,7 @@ impl LocalFarm {
             workers: 1,
             threads: 1,
             options: CoordinatorOptions::default(),
+            store: None,
             routes: None,
         }
     }

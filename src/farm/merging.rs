@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use axum::body::Bytes;
+use bytes::Bytes;
 use prost::Message;
 
 use super::job::StopRule;
 use super::rules::plan::Plan;
 use super::rules::terms::{MeasuredError, MergedTotals};
+use super::snapshot::{FieldKey, Snapshot, SnapshotField};
 use super::wire::{messages, radius, result};
 use crate::estimate::{Estimate, RadiusField, RadiusRule, Tally};
 use crate::render::Pilot;
@@ -17,6 +18,13 @@ use crate::render::Pilot;
 struct Field {
     field: RadiusField,
     message: Bytes,
+}
+
+impl Field {
+    fn new(field: RadiusField) -> Self {
+        let message = radius::encode(&field).encode_to_vec().into();
+        Self { field, message }
+    }
 }
 
 /// The merge state of a job whose pilot is done.
@@ -29,13 +37,14 @@ pub struct Merging {
     merged: u64,
     /// Early tallies, as they came: compressed, and checked.
     waiting: BTreeMap<u64, messages::Tally>,
-    /// By field epoch, then region.
-    fields: BTreeMap<(u32, u32), Arc<Field>>,
+    fields: BTreeMap<FieldKey, Arc<Field>>,
     error: Option<MeasuredError>,
     /// The error bound at which the job is done.
     wanted_error: Option<f64>,
     /// Shards merged when the error is looked at next.
     next_look: u64,
+    /// The state that a longer job would have passed through, once what is merged goes beyond it.
+    resume: Option<Vec<u8>>,
 }
 
 /// The error is looked at again when this share of shards was added.
@@ -55,9 +64,66 @@ impl Merging {
             error: None,
             wanted_error: stop.error,
             next_look: 2,
+            resume: None,
         };
         merging.take_fields(0);
+        merging.keep_for_longer_jobs();
         merging
+    }
+
+    /// All that is needed to go on from here, to the same bits. Early tallies are not part of it: their shards are traced again.
+    pub fn snapshot(&self) -> Snapshot {
+        let field = |(key, field): (&FieldKey, &Arc<Field>)| SnapshotField { key: *key, field: field.field.clone() };
+        Snapshot {
+            plan: self.plan.clone(),
+            estimate: self.estimate.clone(),
+            merged: self.merged,
+            next_look: self.next_look,
+            error: self.error,
+            fields: self.fields.iter().map(field).collect(),
+        }
+    }
+
+    /// Goes on from a snapshot, to an end that may be another.
+    pub fn restore(snapshot: Snapshot, stop: &StopRule) -> Self {
+        let Snapshot { plan, estimate, merged, next_look, error, fields } = snapshot;
+        let fields = fields.into_iter().map(|SnapshotField { key, field }| (key, Arc::new(Field::new(field))));
+        let mut merging = Self {
+            plan: plan.with_passes(stop.passes),
+            estimate,
+            merged,
+            waiting: BTreeMap::new(),
+            fields: fields.collect(),
+            error,
+            wanted_error: stop.error,
+            next_look,
+            resume: None,
+        };
+        merging.keep_for_longer_jobs();
+        merging
+    }
+
+    /// Shards merged.
+    pub fn merged(&self) -> u64 {
+        self.merged
+    }
+
+    /// Whether every longer job passes through this state.
+    pub fn is_of_longer_jobs(&self) -> bool {
+        self.merged <= self.plan.shards_of_longer_jobs()
+    }
+
+    /// The last state that every longer job passes through, as bytes, where that is not the current one.
+    pub fn resume_snapshot(&self) -> Option<&[u8]> {
+        self.resume.as_deref().filter(|_| !self.is_of_longer_jobs())
+    }
+
+    /// Keeps the state before the first shard that the job's end cuts short.
+    fn keep_for_longer_jobs(&mut self) {
+        let shared = self.plan.shards_of_longer_jobs();
+        if self.merged == shared && shared < self.plan.shard_count() {
+            self.resume = Some(self.snapshot().encode());
+        }
     }
 
     /// Takes the tally of shard `index`, then merges all that is in turn. `message` is the same tally as it came.
@@ -82,7 +148,7 @@ impl Merging {
 
     fn merge(&mut self, tally: &Tally) -> Result<(), String> {
         let planned = self.plan.shard(self.merged).ok_or("a shard past the end of the job")?;
-        let key = (planned.field_epoch, planned.region);
+        let key = FieldKey { epoch: planned.field_epoch, region: planned.region };
         let field = self.fields.get(&key).ok_or("a radius field that was dropped too early")?;
         self.estimate.merge(tally, &field.field).map_err(|problem| problem.to_string())?;
         self.merged += 1;
@@ -91,6 +157,7 @@ impl Merging {
         if next_epoch > self.plan.epoch_of(self.merged - 1) {
             self.begin_epoch(next_epoch);
         }
+        self.keep_for_longer_jobs();
         Ok(())
     }
 
@@ -116,20 +183,20 @@ impl Merging {
             self.take_fields(field_epoch);
         }
         let oldest = self.plan.field_epoch(epoch);
-        self.fields.retain(|(epoch, _), _| *epoch >= oldest);
+        self.fields.retain(|key, _| key.epoch >= oldest);
     }
 
     fn take_fields(&mut self, field_epoch: u32) {
         for (index, region) in self.plan.regions.iter().enumerate() {
             let field = self.estimate.radius_field(*region);
-            let message = radius::encode(&field).encode_to_vec().into();
-            self.fields.insert((field_epoch, index as u32), Arc::new(Field { field, message }));
+            let key = FieldKey { epoch: field_epoch, region: index as u32 };
+            self.fields.insert(key, Arc::new(Field::new(field)));
         }
     }
 
     /// A radius field as it travels; `None` when it is not known yet or not needed any more.
     pub fn field_message(&self, field_epoch: u32, region: u32) -> Option<Bytes> {
-        self.fields.get(&(field_epoch, region)).map(|field| field.message.clone())
+        self.fields.get(&FieldKey { epoch: field_epoch, region }).map(|field| field.message.clone())
     }
 
     /// What is merged, in numbers.

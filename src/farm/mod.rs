@@ -44,6 +44,8 @@ pub mod merging;
 pub mod method_choice;
 pub mod prepared_scenes;
 pub mod rules;
+pub mod snapshot;
+pub mod store;
 pub mod wire;
 pub mod worker;
 

@@ -107,7 +107,8 @@ impl Strategy {
 }
 
 /// What of a scene decides whether a method finds all its light.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SceneTraits {
     /// Lights that directions never hit: point, spot and directional ones.
     pub point_lights: bool,

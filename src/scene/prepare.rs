@@ -48,7 +48,8 @@ pub struct Scene {
 }
 
 /// The scene's `<integrator>`: plugin name and plain parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Integrator {
     /// Plugin name, for example `sppm` or `path`.
     pub name: String,

@@ -1,18 +1,21 @@
 //! Jobs: submitted, changed, stopped.
 
 use std::sync::Arc;
+use std::time::Duration;
 
+use super::keeper::Chore;
 use super::request::{self, ResolvedMethod};
 use super::scenes::SceneRecord;
-use super::shared::{JobFacts, JobRecord, Shared, blocking};
+use super::shared::{JobFacts, JobRecord, Shared};
 use crate::evaluation::DEFAULT_ERROR;
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
-use crate::farm::job::{JobRequest, JobStatus, Priority};
+use crate::farm::job::{JobRequest, Priority};
 use crate::farm::locks::lock;
 use crate::farm::method_choice::check_trials;
+use crate::farm::rules::Event;
 use crate::farm::rules::terms::Terms;
-use crate::farm::rules::{Answer, Event};
+use crate::farm::store::jobs::Snapshots;
 use crate::farm::wire::lease::{ChoiceTerms, JobDescription};
 
 /// What of a job may change at any time. What is `None` stays.
@@ -31,6 +34,28 @@ impl Shared {
         request::check_labels(&request)?;
         let scene = self.scene(&request.scene)?;
         let (description, terms) = self.agree(&request, &scene)?;
+        let (id, unix) = self.next_id()?;
+        let facts = JobFacts {
+            request,
+            description: JobDescription { id, ..description },
+            terms: terms.clone(),
+            submitted: unix.as_secs(),
+            history: Vec::new(),
+            snapshots: Snapshots::default(),
+            ran: Duration::ZERO,
+            pause: None,
+        };
+        let status = facts.status();
+        let job = Arc::new(JobRecord::new(id, facts, status));
+        // It is durable before it is accepted.
+        self.store.insert_job(&self.row(&job)).await?;
+        self.lock().jobs.insert(id, job);
+        self.apply(Event::JobAdded { job: id, terms });
+        Ok(id)
+    }
+
+    /// The id of the next job, if one is taken at all, and the time since 1970.
+    fn next_id(&self) -> Result<(JobId, Duration), FarmError> {
         let mut state = self.lock();
         if state.is_closed {
             return Err(FarmError::ShuttingDown);
@@ -41,15 +66,9 @@ impl Shared {
             return Err(FarmError::Busy { problem, retry_after: limits.retry_after() });
         }
         let unix = self.clock.unix(self.clock.now());
-        let id = JobId::after(state.jobs.keys().next_back().copied(), unix.as_millis() as u64);
-        let description = JobDescription { id, ..description };
-        let facts =
-            JobFacts { request, description, terms: terms.clone(), submitted: unix.as_secs(), history: Vec::new() };
-        let status = facts.status();
-        state.jobs.insert(id, Arc::new(JobRecord::new(id, facts, status)));
-        drop(state);
-        self.apply(Event::JobAdded { job: id, terms });
-        Ok(id)
+        let id = JobId::after(state.last_job, unix.as_millis() as u64);
+        state.last_job = Some(id);
+        Ok((id, unix))
     }
 
     /// What a request comes to, before anything is traced.
@@ -102,49 +121,8 @@ impl Shared {
         };
         let reasons = std::iter::once(reason).chain(notices).collect();
         self.apply(Event::MethodChosen { job: job.id, terms, reasons });
+        self.leave_to_keeper(Chore::Record(job.id));
         Ok(())
-    }
-
-    /// Lets a user's event happen between two merges, so that what the answer says is what stays.
-    pub(super) async fn control(self: &Arc<Self>, id: JobId, event: Event) -> Result<JobStatus, FarmError> {
-        let (shared, job) = (self.clone(), self.job(id)?);
-        let is_cancel = matches!(event, Event::JobCancelled { .. });
-        blocking(move || {
-            let _merging = lock(&job.merging);
-            let answer = shared.apply(event);
-            let status = shared.lock().status(&job, &shared.clock);
-            match answer {
-                Answer::Done => Ok(status),
-                // Who cancels wants it not to run, and it does not.
-                _ if is_cancel => Ok(status),
-                _ => Err(FarmError::Conflict {
-                    problem: format!("job {id} is {}", status.state.name()),
-                    remedy: "look at its state first".to_owned(),
-                }),
-            }
-        })
-        .await
-    }
-
-    pub(super) async fn change_job(self: &Arc<Self>, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
-        let job = self.job(id)?;
-        {
-            let mut facts = lock(&job.facts);
-            let mut request = facts.request.clone();
-            if let Some(name) = changes.name {
-                request.name = Some(name).filter(|name| !name.is_empty());
-            }
-            request.tags = changes.tags.unwrap_or(request.tags);
-            request.priority = changes.priority.unwrap_or(request.priority);
-            request::check_labels(&request)?;
-            facts.terms.priority = request.priority;
-            facts.request = request;
-        }
-        let priority = lock(&job.facts).terms.priority;
-        self.apply(Event::PriorityChanged { job: id, priority });
-        let status = self.lock().status(&job, &self.clock);
-        job.status.send_replace(status.clone());
-        Ok(status)
     }
 }
 

@@ -9,7 +9,7 @@ use tokio::sync::watch;
 use tokio::time::timeout;
 
 use super::CoordinatorHandle;
-use super::shared::{JobRecord, Shared, blocking};
+use super::shared::{JobRecord, Shared};
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::estimate::{Estimate, Picture};
 use crate::farm::error::FarmError;
@@ -41,17 +41,15 @@ impl CoordinatorHandle {
         } else {
             None
         };
-        let wanted = wanted.to_vec();
-        blocking(move || {
-            job.with_merged(|merging| {
-                let status = shared.lock().status(&job, &shared.clock);
-                let seen = seen.as_deref().unwrap_or_default();
-                let layer =
-                    |layer: &Layer| of_estimate(*layer, &merging.estimate).or_else(|| of_first_surface(*layer, seen));
-                (merging.estimate.picture(), wanted.iter().filter_map(layer).collect(), status)
-            })
-        })
-        .await
+        let (wanted, record) = (wanted.to_vec(), job.clone());
+        let read = move |merging: &Merging| {
+            let status = shared.lock().status(&record, &shared.clock);
+            let seen = seen.as_deref().unwrap_or_default();
+            let layer =
+                |layer: &Layer| of_estimate(*layer, &merging.estimate).or_else(|| of_first_surface(*layer, seen));
+            (merging.estimate.picture(), wanted.iter().filter_map(layer).collect(), status)
+        };
+        self.shared.with_merged(&job, read).await
     }
 }
 
@@ -110,15 +108,6 @@ impl Shared {
             problem: format!("no worker has looked at the first surfaces of job {} yet", job.id),
             retry_after: self.options.limits.retry_after(),
         })
-    }
-}
-
-impl JobRecord {
-    /// Reads the merge state, once something has been merged.
-    fn with_merged<T>(&self, read: impl FnOnce(&Merging) -> T) -> Result<T, FarmError> {
-        let merging = lock(&self.merging);
-        let merged = merging.as_ref().filter(|merging| merging.totals().shards > 0);
-        merged.map(read).ok_or(FarmError::NoPictureYet(self.id))
     }
 }
 

@@ -7,37 +7,45 @@
 //! | file | what |
 //! |---|---|
 //! | `shared` | events go in, effects are carried out |
-//! | `scenes`, `jobs` | what users ask for |
+//! | `scenes`, `jobs`, `control` | what users ask for |
 //! | `results` | what workers deliver |
-//! | `layers` | pictures with further channels |
+//! | `keeper`, `records` | what is stored, and how it comes back |
+//! | `viewed`, `layers` | pictures, also of jobs that ended long ago |
 //! | [`request`], `status` | what users say and are told |
 
+mod control;
 mod jobs;
+mod keeper;
 mod layers;
 mod limits;
+mod records;
 pub mod request;
 mod results;
 mod scenes;
 mod shared;
 mod status;
+mod viewed;
 
 use std::sync::Arc;
 use std::time::Duration;
 
+use bytes::Bytes;
 use tokio::sync::watch;
 
 pub use jobs::JobChanges;
 pub use limits::{FaultHooks, Limits};
 pub(super) use results::{Delivered, Delivery, Payload};
-pub use scenes::SceneSummary;
+pub use scenes::{SceneSummary, SceneUpload};
 pub(super) use shared::{JobRecord, Shared, blocking};
 
 use super::error::FarmError;
 use super::ids::JobId;
-use super::job::{JobRequest, JobStatus, WorkerStatus};
+use super::job::{JobRequest, JobStatus, StopRule, WorkerStatus};
 use super::prepared_scenes::PreparedScenes;
 use super::rules::Event;
 use super::rules::terms::ErrorPoint;
+use super::store::Store;
+use super::store::journal::JournalRow;
 use crate::estimate::Picture;
 
 /// How a coordinator runs.
@@ -49,6 +57,8 @@ pub struct CoordinatorOptions {
     pub limits: Limits,
     /// The share of shards that two workers trace and whose bits are compared, 0 to 1.
     pub check_share: f64,
+    /// The least time between two snapshots of a job.
+    pub snapshot_interval: Duration,
     /// The prepared scenes of this process.
     pub scenes: PreparedScenes,
     /// Faults on purpose, for tests.
@@ -61,6 +71,7 @@ impl Default for CoordinatorOptions {
             lease_duration: Duration::from_secs(15),
             limits: Limits::default(),
             check_share: 0.01,
+            snapshot_interval: Duration::from_secs(30),
             scenes: PreparedScenes::new(0),
             faults: FaultHooks::default(),
         }
@@ -74,9 +85,9 @@ pub struct CoordinatorHandle {
 }
 
 impl CoordinatorHandle {
-    /// Starts a coordinator without scenes, jobs and workers. Must be called inside a tokio runtime.
-    pub fn start(options: CoordinatorOptions) -> Self {
-        Self { shared: Shared::start(options) }
+    /// Starts a coordinator on a store: scenes and jobs that are there go on. Must be called inside a tokio runtime.
+    pub async fn start(options: CoordinatorOptions, store: Store) -> Result<Self, FarmError> {
+        Ok(Self { shared: Shared::start(options, store).await? })
     }
 
     /// What is accepted here.
@@ -86,7 +97,19 @@ impl CoordinatorHandle {
 
     /// Checks and keeps a scene: XML or JSON that stands alone, or a zip archive. The same bytes again cost nothing.
     pub async fn add_scene(&self, bytes: Vec<u8>) -> Result<SceneSummary, FarmError> {
-        self.shared.add_scene(bytes).await
+        let mut upload = self.begin_upload().await?;
+        match upload.write(&bytes).await {
+            Ok(()) => upload.finish().await,
+            Err(problem) => {
+                upload.abort().await?;
+                Err(problem)
+            }
+        }
+    }
+
+    /// Begins a scene whose bytes come bit by bit.
+    pub async fn begin_upload(&self) -> Result<SceneUpload, FarmError> {
+        self.shared.begin_upload().await
     }
 
     /// What is known of an uploaded scene.
@@ -105,7 +128,7 @@ impl CoordinatorHandle {
     }
 
     /// The bytes of an uploaded scene, as they came.
-    pub async fn scene_bytes(&self, hash: &str) -> Result<Arc<[u8]>, FarmError> {
+    pub async fn scene_bytes(&self, hash: &str) -> Result<Bytes, FarmError> {
         self.shared.scene_bytes(hash).await
     }
 
@@ -163,6 +186,31 @@ impl CoordinatorHandle {
     /// Changes name, tags or priority of a job.
     pub async fn change(&self, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
         self.shared.change_job(id, changes).await
+    }
+
+    /// Lets an ended job go on to a later end, from its stored state to the bits of the longer job.
+    pub async fn extend(&self, id: JobId, stop: StopRule) -> Result<JobStatus, FarmError> {
+        self.shared.extend(id, stop).await
+    }
+
+    /// Deletes a job and its pictures; one that runs is cancelled first.
+    pub async fn delete(&self, id: JobId) -> Result<(), FarmError> {
+        self.shared.delete_job(id).await
+    }
+
+    /// What was asked for when the job was submitted.
+    pub fn request(&self, id: JobId) -> Result<JobRequest, FarmError> {
+        Ok(self.shared.job(id)?.request())
+    }
+
+    /// What happened, oldest first: at most `limit` lines after line `after`, of one job or of all.
+    pub async fn journal(&self, after: i64, job: Option<JobId>, limit: u16) -> Result<Vec<JournalRow>, FarmError> {
+        Ok(self.shared.store.journal(after, job, i64::from(limit)).await?)
+    }
+
+    /// Returns when everything that happened so far is stored.
+    pub async fn stored(&self) {
+        self.shared.stored().await;
     }
 
     /// All workers that are registered, in the order in which they came.

@@ -2,14 +2,21 @@
 
 use std::sync::Arc;
 
+use bytes::Bytes;
+use serde::{Deserialize, Serialize};
+use tokio::sync::OwnedSemaphorePermit;
+
 use super::shared::{Shared, blocking};
 use crate::farm::error::FarmError;
 use crate::farm::prepared_scenes::prepare_scene;
+use crate::farm::store::blobs::Uploaded;
+use crate::farm::store::scenes::SceneRow;
+use crate::farm::store::{BlobName, StoreError, Upload};
 use crate::method::SceneTraits;
 use crate::scene::Integrator;
 
 /// A scene that was uploaded, checked and prepared.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, utoipa::ToSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
 pub struct SceneSummary {
     /// BLAKE3 of its bytes, 64 hexadecimal digits.
     pub hash: String,
@@ -26,12 +33,13 @@ pub struct SceneSummary {
     pub notices: Vec<String>,
 }
 
-/// What the coordinator knows of a scene.
+/// What the coordinator knows of a scene. Its bytes are in the store.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(super) struct SceneRecord {
     pub(super) summary: SceneSummary,
     pub(super) traits: SceneTraits,
     pub(super) integrator: Option<Integrator>,
-    bytes: Arc<[u8]>,
 }
 
 impl Shared {
@@ -45,36 +53,53 @@ impl Shared {
         scenes
     }
 
-    pub(super) async fn scene_bytes(&self, hash: &str) -> Result<Arc<[u8]>, FarmError> {
-        Ok(self.scene(hash)?.bytes.clone())
+    pub(super) async fn scene_bytes(&self, hash: &str) -> Result<Bytes, FarmError> {
+        self.scene(hash)?;
+        Ok(self.store.blobs().get(&BlobName::of_scene(hash)).await?)
     }
 
-    pub(super) async fn add_scene(&self, bytes: Vec<u8>) -> Result<SceneSummary, FarmError> {
+    /// Makes place for an upload; at most so many at a time.
+    pub(super) async fn begin_upload(self: &Arc<Self>) -> Result<SceneUpload, FarmError> {
         let limits = &self.options.limits;
-        let (found, limit) = (bytes.len() as u64, limits.scene_bytes);
-        if found > limit {
-            return Err(FarmError::TooLarge { what: "the scene's size in bytes", found, limit });
-        }
-        let Ok(_slot) = self.uploads.try_acquire() else {
+        let Ok(slot) = self.uploads.clone().try_acquire_owned() else {
             let problem = format!("{} scenes are being uploaded already", limits.uploads);
             return Err(FarmError::Busy { problem, retry_after: limits.retry_after() });
         };
-        let hash = blake3::hash(&bytes).to_hex().to_string();
+        let upload = self.store.blobs().begin_scene().await?;
+        Ok(SceneUpload { shared: self.clone(), upload, _slot: slot })
+    }
+
+    /// Checks an uploaded scene and keeps it, or leaves nothing of it.
+    async fn add_uploaded(&self, uploaded: Uploaded) -> Result<SceneSummary, FarmError> {
+        let Uploaded { hash, bytes } = uploaded;
         if let Ok(known) = self.scene(&hash) {
             return Ok(known.summary.clone());
         }
-        let bytes: Arc<[u8]> = bytes.into();
-        let record = self.check_scene(hash, bytes).await?;
+        let record = match self.check_scene(hash.clone(), bytes).await {
+            Ok(record) => record,
+            Err(problem) => {
+                self.store.blobs().delete(&BlobName::of_scene(&hash)).await?;
+                return Err(problem);
+            }
+        };
+        let row = SceneRow {
+            hash: hash.clone(),
+            bytes: bytes as i64,
+            created: self.clock.unix_milliseconds(),
+            // Plain data with string keys always has a JSON form.
+            record: serde_json::to_string(&record).unwrap_or_default(),
+        };
+        self.store.insert_scene(&row).await?;
         let summary = record.summary.clone();
-        tracing::info!(scene = summary.hash, width = summary.width, height = summary.height, "scene added");
-        self.lock().scenes.insert(summary.hash.clone(), Arc::new(record));
+        tracing::info!(scene = hash, width = summary.width, height = summary.height, "scene added");
+        self.lock().scenes.insert(hash, Arc::new(record));
         Ok(summary)
     }
 
     /// Prepares a scene, so that nobody else in this process has to, and says what it is.
-    async fn check_scene(&self, hash: String, bytes: Arc<[u8]>) -> Result<SceneRecord, FarmError> {
+    async fn check_scene(&self, hash: String, size: u64) -> Result<SceneRecord, FarmError> {
         let prepare = async {
-            let bytes = bytes.clone();
+            let bytes = self.store.blobs().get(&BlobName::of_scene(&hash)).await?;
             blocking(move || Ok(Arc::new(prepare_scene(&bytes)?))).await
         };
         let scene = self.options.scenes.get_or_prepare(&hash, prepare).await?;
@@ -86,26 +111,74 @@ impl Shared {
             hash,
             width: scene.width,
             height: scene.height,
-            bytes: bytes.len() as u64,
+            bytes: size,
             integrator: scene.integrator.as_ref().map(|integrator| integrator.name.clone()),
             notices: scene.notices.clone(),
         };
         let (integrator, traits) = (scene.integrator.clone(), SceneTraits::of(&scene));
-        Ok(SceneRecord { summary, integrator, traits, bytes })
+        Ok(SceneRecord { summary, integrator, traits })
+    }
+
+    /// Takes the scenes of the store over.
+    pub(super) async fn take_over_scenes(&self) -> Result<(), FarmError> {
+        for row in self.store.scene_rows().await? {
+            let bad = |problem: serde_json::Error| StoreError::BadRecord {
+                what: format!("scene {}", row.hash),
+                problem: problem.to_string(),
+            };
+            let record: SceneRecord = serde_json::from_str(&row.record).map_err(bad)?;
+            self.lock().scenes.insert(row.hash, Arc::new(record));
+        }
+        Ok(())
     }
 
     pub(super) async fn delete_scene(&self, hash: &str) -> Result<(), FarmError> {
-        let mut state = self.lock();
-        if !state.scenes.contains_key(hash) {
-            return Err(FarmError::UnknownScene(hash.to_owned()));
+        {
+            let state = self.lock();
+            if !state.scenes.contains_key(hash) {
+                return Err(FarmError::UnknownScene(hash.to_owned()));
+            }
+            if let Some(job) = state.jobs.values().find(|job| job.description().scene == hash) {
+                return Err(FarmError::Conflict {
+                    problem: format!("scene {hash} is the scene of job {}", job.id),
+                    remedy: "delete the job first".to_owned(),
+                });
+            }
         }
-        if let Some(job) = state.jobs.values().find(|job| job.description().scene == hash) {
-            return Err(FarmError::Conflict {
-                problem: format!("scene {hash} is the scene of job {}", job.id),
-                remedy: "delete the job first".to_owned(),
-            });
+        self.store.delete_scene(hash).await?;
+        self.lock().scenes.remove(hash);
+        Ok(self.store.blobs().delete(&BlobName::of_scene(hash)).await?)
+    }
+}
+
+/// A scene on its way: written to the store and hashed as it comes.
+pub struct SceneUpload {
+    shared: Arc<Shared>,
+    upload: Upload,
+    _slot: OwnedSemaphorePermit,
+}
+
+impl SceneUpload {
+    /// Takes the next bytes.
+    ///
+    /// # Errors
+    /// More than a scene may have.
+    pub async fn write(&mut self, bytes: &[u8]) -> Result<(), FarmError> {
+        let (found, limit) = (self.upload.bytes() + bytes.len() as u64, self.shared.options.limits.scene_bytes);
+        if found > limit {
+            return Err(FarmError::TooLarge { what: "the scene's size in bytes", found, limit });
         }
-        state.scenes.remove(hash);
-        Ok(())
+        Ok(self.upload.write(bytes).await?)
+    }
+
+    /// All bytes came: checks the scene and keeps it.
+    pub async fn finish(self) -> Result<SceneSummary, FarmError> {
+        let uploaded = self.upload.finish().await?;
+        self.shared.add_uploaded(uploaded).await
+    }
+
+    /// Nothing of it stays.
+    pub async fn abort(self) -> Result<(), FarmError> {
+        Ok(self.upload.abort().await?)
     }
 }

@@ -1,17 +1,19 @@
 //! Events go in, effects are carried out.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex, MutexGuard, Weak};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use tokio::sync::{Semaphore, watch};
+use tokio::sync::{Semaphore, mpsc, watch};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use super::CoordinatorOptions;
+use super::keeper::{Chore, keep};
 use super::layers::SeenFirst;
 use super::scenes::SceneRecord;
+use super::viewed::Viewed;
 use crate::farm::EVENTS;
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
@@ -19,12 +21,17 @@ use crate::farm::job::{JobRequest, JobStatus};
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
 use crate::farm::rules::check::CheckShare;
-use crate::farm::rules::terms::{ErrorPoint, Restored, Terms};
-use crate::farm::rules::{Answer, Effects, Event, Rollback, Rules, RulesOptions};
+use crate::farm::rules::terms::{ErrorPoint, PauseReason, Terms};
+use crate::farm::rules::{Answer, Effects, Event, Notice, Rules, RulesOptions};
+use crate::farm::store::Store;
+use crate::farm::store::jobs::Snapshots;
+use crate::farm::store::journal::JournalRow;
 use crate::farm::wire::lease::JobDescription;
 
 /// How often time passes for the rules.
 const TICK: Duration = Duration::from_millis(200);
+/// Ids of workers and leases that a coordinator may use before those of the next run begin: 2⁴⁰.
+const EPOCH_SHIFT: u32 = 40;
 
 /// Time since start, and what it is called outside.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +51,11 @@ impl Clock {
         self.started.elapsed()
     }
 
+    /// Milliseconds since 1970, now.
+    pub(super) fn unix_milliseconds(&self) -> i64 {
+        self.unix(self.now()).as_millis() as i64
+    }
+
     /// Time since 1970 at `now`.
     pub(super) fn unix(&self, now: Duration) -> Duration {
         self.started_unix + now
@@ -54,9 +66,12 @@ impl Clock {
 pub(in crate::farm) struct Shared {
     pub(in crate::farm) options: CoordinatorOptions,
     pub(super) clock: Clock,
+    pub(super) store: Store,
+    pub(super) chores: mpsc::UnboundedSender<Chore>,
+    pub(super) viewed: Viewed,
     state: Mutex<State>,
     pub(super) seen_first: SeenFirst,
-    pub(super) uploads: Semaphore,
+    pub(super) uploads: Arc<Semaphore>,
     /// Rises whenever a waiting worker should ask again.
     pub(in crate::farm) work: watch::Sender<u64>,
     stopped: CancellationToken,
@@ -69,6 +84,8 @@ pub(in crate::farm) struct State {
     pub(in crate::farm) rules: Rules,
     pub(super) jobs: BTreeMap<JobId, Arc<JobRecord>>,
     pub(super) scenes: HashMap<String, Arc<SceneRecord>>,
+    /// The largest id that any job ever had.
+    pub(super) last_job: Option<JobId>,
     pub(super) is_closed: bool,
 }
 
@@ -90,8 +107,14 @@ pub(super) struct JobFacts {
     pub(super) terms: Terms,
     /// Seconds since 1970.
     pub(super) submitted: u64,
-    /// How its error fell, once it has ended.
+    /// How its error fell, until it ended or was stored.
     pub(super) history: Vec<ErrorPoint>,
+    /// Stored states.
+    pub(super) snapshots: Snapshots,
+    /// For how long it ran, until it ended or was stored.
+    pub(super) ran: Duration,
+    /// Why it paused when it was stored.
+    pub(super) pause: Option<PauseReason>,
 }
 
 /// Runs `work` on a thread that may block.
@@ -139,20 +162,30 @@ impl JobRecord {
 }
 
 impl Shared {
-    pub(super) fn start(options: CoordinatorOptions) -> Arc<Self> {
+    pub(super) async fn start(options: CoordinatorOptions, store: Store) -> Result<Arc<Self>, FarmError> {
         let clock = Clock::start();
         let rules = RulesOptions {
             lease_duration: options.lease_duration,
             memory_budget: options.limits.job_memory,
             check_share: CheckShare::new(options.check_share),
             // Ids that rise from one run to the next: a worker of an earlier run is not taken for one of this.
-            first_id: clock.unix(Duration::ZERO).as_micros() as u64,
+            first_id: (store.epoch() << EPOCH_SHIFT).max(clock.unix(Duration::ZERO).as_micros() as u64),
         };
-        let state = State { rules: Rules::new(rules), jobs: BTreeMap::new(), scenes: HashMap::new(), is_closed: false };
+        let state = State {
+            rules: Rules::new(rules),
+            jobs: BTreeMap::new(),
+            scenes: HashMap::new(),
+            last_job: store.last_job().await?,
+            is_closed: false,
+        };
+        let (chores, waiting) = mpsc::unbounded_channel();
         let shared = Self {
-            uploads: Semaphore::new(options.limits.uploads),
+            uploads: Arc::new(Semaphore::new(options.limits.uploads)),
             options,
             clock,
+            store,
+            chores,
+            viewed: Viewed::default(),
             state: Mutex::new(state),
             seen_first: SeenFirst::default(),
             work: watch::Sender::new(0),
@@ -160,8 +193,12 @@ impl Shared {
             busy: TaskTracker::new(),
         };
         let shared = Arc::new(shared);
+        shared.take_over_scenes().await?;
+        let rows = shared.store.job_rows().await?;
+        shared.take_over(rows).await?;
+        tokio::spawn(keep(Arc::downgrade(&shared), waiting));
         tokio::spawn(keep_time(Arc::downgrade(&shared), shared.stopped.clone()));
-        shared
+        Ok(shared)
     }
 
     pub(in crate::farm) fn lock(&self) -> MutexGuard<'_, State> {
@@ -176,15 +213,16 @@ impl Shared {
         for job in changed.iter().filter_map(|id| state.jobs.get(id)) {
             job.status.send_replace(state.status(job, &self.clock));
         }
-        for notice in &notices {
-            tracing::info!(target: EVENTS, "{notice}");
-        }
-        for id in ended {
-            self.forget_ended(&mut state, id);
+        for id in &ended {
+            self.forget_ended(&mut state, *id);
         }
         drop(state);
+        self.write_journal(&notices);
+        for id in ended {
+            self.leave_to_keeper(Chore::Finish(id));
+        }
         for rollback in rollbacks {
-            self.roll_back(rollback);
+            self.leave_to_keeper(Chore::RollBack(rollback));
         }
         if work_appeared {
             self.work.send_modify(|version| *version += 1);
@@ -198,17 +236,28 @@ impl Shared {
             let mut facts = lock(&job.facts);
             facts.history.clone_from(&progress.history);
             facts.terms.clone_from(&progress.terms);
+            facts.ran = progress.ran(self.clock.now());
+            facts.pause = None;
         }
         state.rules.apply(self.clock.now(), Event::JobForgotten { job: id });
     }
 
-    /// Does a job again from the beginning, because what was merged is not to be trusted.
-    fn roll_back(&self, rollback: Rollback) {
-        let Ok(job) = self.job(rollback.job) else { return };
-        let terms = lock(&job.facts).terms.clone();
-        *lock(&job.merging) = None;
-        job.generation.fetch_add(1, Ordering::Relaxed);
-        self.apply(Event::JobRestored { job: job.id, terms, restored: Restored::default() });
+    /// What people want to read in a log.
+    fn write_journal(&self, notices: &[Notice]) {
+        if notices.is_empty() {
+            return;
+        }
+        let time = self.clock.unix_milliseconds();
+        let row = |notice: &Notice| {
+            let text = notice.to_string();
+            tracing::info!(target: EVENTS, "{text}");
+            if let Notice::Joined { name, threads, .. } = notice {
+                self.leave_to_keeper(Chore::Worker { name: name.clone(), threads: *threads });
+            }
+            let worker = notice.worker().map(str::to_owned);
+            JournalRow { sequence: 0, time, job: notice.job(), worker, text }
+        };
+        self.leave_to_keeper(Chore::Journal(notices.iter().map(row).collect()));
     }
 
     /// The job with this id.
@@ -216,11 +265,16 @@ impl Shared {
         self.lock().jobs.get(&id).cloned().ok_or(FarmError::UnknownJob(id))
     }
 
-    /// Ends when every tally that arrived has been merged.
+    /// Ends when every tally that arrived has been merged, and everything is stored.
     pub(super) async fn stop(&self) {
         self.busy.close();
         self.busy.wait().await;
+        if self.store.is_durable() {
+            self.leave_to_keeper(Chore::SnapshotAll);
+        }
+        self.stored().await;
         self.stopped.cancel();
+        self.store.close().await;
     }
 }
 
@@ -230,7 +284,10 @@ async fn keep_time(shared: Weak<Shared>, stopped: CancellationToken) {
     interval.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
     while stopped.run_until_cancelled(interval.tick()).await.is_some() {
         match shared.upgrade() {
-            Some(shared) => drop(shared.apply(Event::TimePassed)),
+            Some(shared) => {
+                shared.apply(Event::TimePassed);
+                shared.viewed.expire();
+            }
             None => return,
         }
     }

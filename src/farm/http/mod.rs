@@ -170,7 +170,7 @@ async fn result(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Re
 
 async fn scene(State(coordinator): State<CoordinatorHandle>, Path(hash): Path<String>) -> Result<Response, Problem> {
     let bytes = coordinator.scene_bytes(&hash).await?;
-    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], Bytes::from_owner(bytes)).into_response())
+    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
 }
 
 async fn radius_field(

@@ -28,7 +28,7 @@ impl From<FarmError> for Problem {
         let status = match error {
             FarmError::UnknownScene(_) | FarmError::UnknownJob(_) | FarmError::NoPictureYet(_) => StatusCode::NOT_FOUND,
             FarmError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
-            FarmError::ShuttingDown | FarmError::Busy { .. } | FarmError::NotYet { .. } => {
+            FarmError::ShuttingDown | FarmError::Busy { .. } | FarmError::NotYet { .. } | FarmError::Store { .. } => {
                 StatusCode::SERVICE_UNAVAILABLE
             }
             FarmError::Internal(_) => StatusCode::INTERNAL_SERVER_ERROR,

@@ -8,7 +8,8 @@ use crate::estimate::ErrorEstimate;
 use crate::farm::job::{Priority, StopRule};
 
 /// The error of a picture, and when it was estimated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MeasuredError {
     /// Passes merged then.
     pub passes: u32,
@@ -17,7 +18,8 @@ pub struct MeasuredError {
 }
 
 /// The error of a picture as it was estimated at some time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ErrorPoint {
     /// Seconds that the job had been running.
     pub seconds: f64,

@@ -94,7 +94,7 @@ async fn register(client: &Client, options: &WorkerOptions) -> Result<RegisterRe
         build: wire::BUILD.to_owned(),
         features: target_features(),
     };
-    let message: axum::body::Bytes = request.encode_to_vec().into();
+    let message: bytes::Bytes = request.encode_to_vec().into();
     let mut backoff = Backoff::new(&options.name);
     loop {
         match client.post("register", message.clone(), MESSAGE_TIMEOUT).await {

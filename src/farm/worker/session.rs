@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use axum::body::Bytes;
+use bytes::Bytes;
 use prost::Message;
 use tokio::sync::{Semaphore, mpsc};
 use tokio::time::{sleep, timeout};

@@ -1,0 +1,156 @@
+//! What users do to jobs that are there: pause, resume, cancel, rename, extend, delete. Each is stored before it is answered.
+
+use std::sync::Arc;
+
+use super::jobs::JobChanges;
+use super::keeper::{Chore, is_done};
+use super::request;
+use super::shared::{JobRecord, Shared, blocking};
+use crate::farm::error::FarmError;
+use crate::farm::ids::JobId;
+use crate::farm::job::{JobState, JobStatus, StopRule};
+use crate::farm::locks::lock;
+use crate::farm::merging::Merging;
+use crate::farm::rules::Event;
+use crate::farm::snapshot::Snapshot;
+use crate::farm::store::jobs::Snapshots;
+
+impl Shared {
+    /// Lets a user's event happen between two merges, so that what the answer says is what stays.
+    pub(super) async fn control(self: &Arc<Self>, id: JobId, event: Event) -> Result<JobStatus, FarmError> {
+        let (shared, job) = (self.clone(), self.job(id)?);
+        let is_cancel = matches!(event, Event::JobCancelled { .. });
+        let status = blocking(move || {
+            let _merging = lock(&job.merging);
+            let is_done = is_done(&shared.apply(event));
+            let status = shared.lock().status(&job, &shared.clock);
+            // Who cancels wants it not to run, and it does not.
+            if is_done || is_cancel { Ok(status) } else { Err(wrong_state(id, status.state)) }
+        });
+        let status = status.await?;
+        self.leave_to_keeper(Chore::Record(id));
+        self.stored().await;
+        Ok(status)
+    }
+
+    pub(super) async fn change_job(self: &Arc<Self>, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
+        let job = self.job(id)?;
+        {
+            let mut facts = lock(&job.facts);
+            let mut request = facts.request.clone();
+            if let Some(name) = changes.name {
+                request.name = Some(name).filter(|name| !name.is_empty());
+            }
+            request.tags = changes.tags.unwrap_or(request.tags);
+            request.priority = changes.priority.unwrap_or(request.priority);
+            request::check_labels(&request)?;
+            facts.terms.priority = request.priority;
+            facts.request = request;
+        }
+        let priority = lock(&job.facts).terms.priority;
+        self.apply(Event::PriorityChanged { job: id, priority });
+        let status = self.lock().status(&job, &self.clock);
+        job.status.send_replace(status.clone());
+        self.leave_to_keeper(Chore::Record(id));
+        self.stored().await;
+        Ok(status)
+    }
+
+    /// Lets an ended job go on to a later end.
+    pub(super) async fn extend(self: &Arc<Self>, id: JobId, stop: StopRule) -> Result<JobStatus, FarmError> {
+        request::check_stop(stop)?;
+        let job = self.job(id)?;
+        let status = self.lock().status(&job, &self.clock);
+        if !status.state.is_final() {
+            return Err(wrong_state(id, status.state));
+        }
+        check_longer(&status, stop)?;
+        // What is being stored of its end is stored first.
+        self.stored().await;
+        let merging = self.state_to_extend(&job, stop).await?;
+        {
+            let mut facts = lock(&job.facts);
+            facts.terms.stop = stop;
+            facts.request.stop = stop;
+            let Snapshots { newest, resume, .. } = facts.snapshots.clone();
+            facts.snapshots = Snapshots { newest: resume.or(newest), ..Snapshots::default() };
+        }
+        self.viewed.remove(id);
+        self.go_on(&job, Some(merging));
+        self.leave_to_keeper(Chore::Record(id));
+        self.stored().await;
+        Ok(self.lock().status(&job, &self.clock))
+    }
+
+    /// The last state of an ended job that the longer job passes through, too.
+    async fn state_to_extend(&self, job: &Arc<JobRecord>, stop: StopRule) -> Result<Merging, FarmError> {
+        let record = job.clone();
+        let in_memory = blocking(move || {
+            let merging = lock(&record.merging);
+            let Some(merging) = merging.as_ref() else { return Ok(None) };
+            let snapshot = match merging.resume_snapshot() {
+                Some(bytes) => Snapshot::decode(bytes).map_err(|problem| FarmError::Internal(problem.to_string()))?,
+                None => merging.snapshot(),
+            };
+            Ok(Some(Merging::restore(snapshot, &stop)))
+        });
+        if let Some(merging) = in_memory.await? {
+            return Ok(merging);
+        }
+        let Snapshots { newest, resume, .. } = lock(&job.facts).snapshots.clone();
+        let Some(name) = resume.or(newest) else {
+            let problem = format!("nothing is stored of job {}", job.id);
+            return Err(FarmError::Conflict { problem, remedy: "submit it again".to_owned() });
+        };
+        let bytes = self.store.blobs().get(&name).await?;
+        blocking(move || {
+            let snapshot = Snapshot::decode(&bytes).map_err(|problem| FarmError::Internal(problem.to_string()))?;
+            Ok(Merging::restore(snapshot, &stop))
+        })
+        .await
+    }
+
+    /// Deletes a job; one that runs is cancelled first.
+    pub(super) async fn delete_job(self: &Arc<Self>, id: JobId) -> Result<(), FarmError> {
+        let job = self.job(id)?;
+        self.control(id, Event::JobCancelled { job: id }).await?;
+        self.store.delete_job(id).await?;
+        self.lock().jobs.remove(&id);
+        self.viewed.remove(id);
+        let snapshots = lock(&job.facts).snapshots.clone();
+        for name in snapshots.all() {
+            self.store.blobs().delete(name).await?;
+        }
+        Ok(())
+    }
+}
+
+fn wrong_state(id: JobId, state: JobState) -> FarmError {
+    FarmError::Conflict {
+        problem: format!("job {id} is {}", state.name()),
+        remedy: "look at its state first".to_owned(),
+    }
+}
+
+/// Refuses an end that is behind the job already.
+fn check_longer(status: &JobStatus, stop: StopRule) -> Result<(), FarmError> {
+    let is_behind = |what: &str| FarmError::BadRequest {
+        problem: format!("job {} has {what} already", status.id),
+        remedy: "give a later end".to_owned(),
+    };
+    if stop.passes.is_none() && stop.seconds.is_none() && stop.error.is_none() {
+        let problem = "no end is given".to_owned();
+        return Err(FarmError::BadRequest { problem, remedy: "give passes, seconds or error".to_owned() });
+    }
+    if stop.passes.is_some_and(|passes| passes <= status.passes_done) {
+        return Err(is_behind(&format!("{} passes", status.passes_done)));
+    }
+    if stop.seconds.is_some_and(|seconds| seconds <= status.seconds) {
+        return Err(is_behind(&format!("run for {:.1} s", status.seconds)));
+    }
+    let bound = status.estimated_error.map(|error| error.bound);
+    if stop.error.zip(bound).is_some_and(|(wanted, bound)| bound <= wanted) {
+        return Err(is_behind("so small an error"));
+    }
+    Ok(())
+}

@@ -1,0 +1,303 @@
+//! Keeps the store up to date in the background: records of jobs as they change, snapshots of their merged states from time to time,
+//! final states of those that ended, and the journal.
+//!
+//! A job's acceptance and a user's changes are stored before they are answered. Tallies are not: shards are pure functions, so what was
+//! merged after the last snapshot is traced again, to the same bits.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Weak};
+use std::time::{Duration, Instant};
+
+use tokio::sync::{mpsc, oneshot};
+use tokio::time::{sleep, timeout};
+
+use super::shared::{JobRecord, Shared};
+use crate::farm::EVENTS;
+use crate::farm::ids::JobId;
+use crate::farm::job::JobState;
+use crate::farm::locks::lock;
+use crate::farm::rules::terms::PauseReason;
+use crate::farm::rules::{Answer, Event, Rollback};
+use crate::farm::store::jobs::Snapshots;
+use crate::farm::store::journal::JournalRow;
+use crate::farm::store::{BlobName, StoreError};
+
+/// How often the keeper looks whether a snapshot is due.
+const LOOK: Duration = Duration::from_millis(250);
+/// Of the time at most one part in so many goes into a job's snapshots.
+const SNAPSHOT_SHARE: u32 = 50;
+/// The pause before something is tried again.
+const RETRY: Duration = Duration::from_secs(2);
+/// How long a store may be out of reach before jobs pause.
+const OUTAGE_PATIENCE: Duration = Duration::from_secs(30);
+
+/// Something to be stored.
+pub(super) enum Chore {
+    /// A job's record.
+    Record(JobId),
+    /// The final state of a job that has ended.
+    Finish(JobId),
+    /// A job goes back to what can be trusted.
+    RollBack(Rollback),
+    /// Lines of the journal.
+    Journal(Vec<JournalRow>),
+    /// A worker was there.
+    Worker {
+        /// Its name.
+        name: String,
+        /// Its threads.
+        threads: u32,
+    },
+    /// Snapshots of all jobs, because the coordinator stops.
+    SnapshotAll,
+    /// Answers when everything before is stored.
+    Barrier(oneshot::Sender<()>),
+}
+
+struct Keeper {
+    shared: Weak<Shared>,
+    /// When a job's next snapshot is due.
+    due: BTreeMap<JobId, Instant>,
+    /// Since when the store fails.
+    failing_since: Option<Instant>,
+}
+
+/// Works until the coordinator is gone.
+pub(super) async fn keep(shared: Weak<Shared>, mut chores: mpsc::UnboundedReceiver<Chore>) {
+    let mut keeper = Keeper { shared, due: BTreeMap::new(), failing_since: None };
+    loop {
+        match timeout(LOOK, chores.recv()).await {
+            Ok(None) => return,
+            Ok(Some(chore)) => {
+                if !keeper.do_until_done(chore).await {
+                    return;
+                }
+            }
+            Err(_) => {}
+        }
+        let Some(shared) = keeper.shared.upgrade() else { return };
+        keeper.take_due_snapshots(&shared).await;
+    }
+}
+
+impl Keeper {
+    /// Tries until the store has it; jobs pause meanwhile. Answers false when the coordinator is gone.
+    async fn do_until_done(&mut self, chore: Chore) -> bool {
+        let chore = match chore {
+            Chore::Barrier(waiting) => {
+                // Whoever asked may have gone.
+                let _ = waiting.send(());
+                return true;
+            }
+            chore => chore,
+        };
+        loop {
+            let Some(shared) = self.shared.upgrade() else { return false };
+            match self.do_once(&shared, &chore).await {
+                Ok(()) => {
+                    self.store_works(&shared);
+                    return true;
+                }
+                Err(problem) => self.store_fails(&shared, &problem),
+            }
+            drop(shared);
+            sleep(RETRY).await;
+        }
+    }
+
+    async fn do_once(&mut self, shared: &Arc<Shared>, chore: &Chore) -> Result<(), StoreError> {
+        match chore {
+            Chore::Record(id) => match shared.job(*id) {
+                Ok(job) => shared.store.update_job(&shared.row(&job)).await,
+                Err(_) => Ok(()),
+            },
+            Chore::Finish(id) => match shared.job(*id) {
+                Ok(job) => self.finish(shared, &job).await,
+                Err(_) => Ok(()),
+            },
+            Chore::RollBack(rollback) => match shared.job(rollback.job) {
+                Ok(job) => shared.restore(&job, Some(rollback.keep)).await,
+                Err(_) => Ok(()),
+            },
+            Chore::Journal(rows) => shared.store.append_journal(rows).await,
+            Chore::Worker { name, threads } => {
+                shared.store.record_worker(name, *threads, shared.clock.unix_milliseconds()).await
+            }
+            Chore::SnapshotAll => {
+                for job in shared.live_jobs() {
+                    self.snapshot(shared, &job).await?;
+                }
+                Ok(())
+            }
+            Chore::Barrier(_) => Ok(()),
+        }
+    }
+
+    fn store_works(&mut self, shared: &Arc<Shared>) {
+        if self.failing_since.take().is_none() {
+            return;
+        }
+        tracing::info!(target: EVENTS, "the store works again");
+        for job in shared.live_jobs() {
+            let is_ours = shared
+                .lock()
+                .rules
+                .job(job.id)
+                .is_some_and(|progress| matches!(progress.pause, Some(PauseReason::Store { .. })));
+            if is_ours {
+                shared.apply(Event::JobResumed { job: job.id });
+            }
+        }
+    }
+
+    /// A full disk pauses jobs at once, a database that restarts only when it takes long.
+    fn store_fails(&mut self, shared: &Arc<Shared>, problem: &StoreError) {
+        let since = *self.failing_since.get_or_insert_with(|| {
+            tracing::error!(target: EVENTS, "{problem}");
+            Instant::now()
+        });
+        if problem.is_temporary() && !problem.is_full() && since.elapsed() < OUTAGE_PATIENCE {
+            return;
+        }
+        for job in shared.live_jobs() {
+            let reason = PauseReason::Store { problem: problem.to_string() };
+            let state = shared.lock().rules.job(job.id).map(|progress| progress.state);
+            if state.is_some_and(|state| state != JobState::Paused) {
+                shared.apply(Event::JobPaused { job: job.id, reason });
+            }
+        }
+    }
+
+    async fn take_due_snapshots(&mut self, shared: &Arc<Shared>) {
+        if !shared.store.is_durable() {
+            return;
+        }
+        let now = Instant::now();
+        let jobs = shared.live_jobs();
+        self.due.retain(|id, _| jobs.iter().any(|job| job.id == *id));
+        for job in jobs {
+            let due = *self.due.entry(job.id).or_insert(now + shared.options.snapshot_interval);
+            if due > now {
+                continue;
+            }
+            if let Err(problem) = self.snapshot(shared, &job).await {
+                self.store_fails(shared, &problem);
+                self.due.insert(job.id, Instant::now() + RETRY);
+            } else {
+                self.store_works(shared);
+            }
+        }
+    }
+
+    /// Stores a running job's merged state, if it is one from which any longer job can go on.
+    async fn snapshot(&mut self, shared: &Arc<Shared>, job: &Arc<JobRecord>) -> Result<(), StoreError> {
+        let start = Instant::now();
+        let record = job.clone();
+        let encoded = tokio::task::spawn_blocking(move || {
+            let snapshot = {
+                let merging = lock(&record.merging);
+                merging.as_ref().filter(|merging| merging.is_of_longer_jobs()).map(|merging| merging.snapshot())
+            };
+            snapshot.map(|snapshot| (snapshot.merged, snapshot.encode()))
+        });
+        if let Ok(Some((merged, bytes))) = encoded.await {
+            let name = BlobName::of_snapshot(job.id, merged, &bytes);
+            let known = lock(&job.facts).snapshots.clone();
+            if known.newest.as_ref() != Some(&name) {
+                shared.store.blobs().put(&name, bytes).await?;
+                let snapshots = Snapshots { newest: Some(name), earlier: known.newest, resume: None };
+                lock(&job.facts).snapshots = snapshots;
+                shared.store.update_job(&shared.row(job)).await?;
+                if let Some(old) = known.earlier {
+                    shared.store.blobs().delete(&old).await?;
+                }
+            }
+        }
+        let pause = shared.options.snapshot_interval.max(start.elapsed() * SNAPSHOT_SHARE);
+        self.due.insert(job.id, Instant::now() + pause);
+        Ok(())
+    }
+
+    /// Stores the final state of an ended job; from then on it costs memory only while somebody looks.
+    async fn finish(&mut self, shared: &Arc<Shared>, job: &Arc<JobRecord>) -> Result<(), StoreError> {
+        if shared.store.is_durable() {
+            let record = job.clone();
+            let encoded = tokio::task::spawn_blocking(move || {
+                let merging = lock(&record.merging);
+                merging.as_ref().map(|merging| {
+                    let resume = merging.resume_snapshot().map(<[u8]>::to_vec);
+                    (merging.merged(), merging.snapshot().encode(), resume)
+                })
+            });
+            if let Ok(Some((merged, bytes, resume))) = encoded.await {
+                let newest = BlobName::of_snapshot(job.id, merged, &bytes);
+                let resume = resume.map(|bytes| (BlobName::of_snapshot(job.id, 0, &bytes), bytes));
+                shared.store.blobs().put(&newest, bytes).await?;
+                if let Some((name, bytes)) = &resume {
+                    shared.store.blobs().put(name, bytes.clone()).await?;
+                }
+                let resume = resume.map(|(name, _)| name);
+                let snapshots = Snapshots { newest: Some(newest), earlier: None, resume };
+                let old = std::mem::replace(&mut lock(&job.facts).snapshots, snapshots.clone());
+                shared.store.update_job(&shared.row(job)).await?;
+                for name in old.all().filter(|name| !snapshots.all().any(|kept| kept == *name)) {
+                    shared.store.blobs().delete(name).await?;
+                }
+                shared.viewed.insert(job.id, lock(&job.merging).take());
+                return Ok(());
+            }
+        }
+        shared.store.update_job(&shared.row(job)).await
+    }
+}
+
+impl Shared {
+    /// Hands something to the keeper.
+    pub(super) fn leave_to_keeper(&self, chore: Chore) {
+        // Without a keeper the coordinator is ending.
+        let _ = self.chores.send(chore);
+    }
+
+    /// Returns when everything that was handed to the keeper so far is stored.
+    pub(super) async fn stored(&self) {
+        let (sender, receiver) = oneshot::channel();
+        self.leave_to_keeper(Chore::Barrier(sender));
+        let _ = receiver.await;
+    }
+
+    /// Jobs that have not ended.
+    pub(super) fn live_jobs(&self) -> Vec<Arc<JobRecord>> {
+        let state = self.lock();
+        let live = state.rules.jobs().filter(|(_, job)| !job.has_ended());
+        live.filter_map(|(id, _)| state.jobs.get(&id).cloned()).collect()
+    }
+
+    /// Lets a job go on from its newest good snapshot; `keep` bounds the shards that may be in it, `Some(None)` allows none.
+    pub(super) async fn restore(
+        self: &Arc<Self>,
+        job: &Arc<JobRecord>,
+        keep: Option<Option<u64>>,
+    ) -> Result<(), StoreError> {
+        let snapshots = lock(&job.facts).snapshots.clone();
+        let mut merging = None;
+        for name in snapshots.all() {
+            match self.load(job, name).await {
+                Ok(found) if keep.is_none_or(|keep| keep.is_some_and(|most| found.merged() <= most)) => {
+                    merging = Some(found);
+                    break;
+                }
+                Ok(_) => {}
+                Err(problem @ StoreError::Damaged { .. }) => tracing::error!(target: EVENTS, "{problem}"),
+                Err(problem) if problem.is_temporary() || problem.is_full() => return Err(problem),
+                Err(problem) => tracing::error!(target: EVENTS, "job {}: {problem}", job.id),
+            }
+        }
+        self.go_on(job, merging);
+        Ok(())
+    }
+}
+
+/// Whether the rules accepted it.
+pub(super) fn is_done(answer: &Answer) -> bool {
+    *answer == Answer::Done
+}

@@ -1,0 +1,77 @@
+//! What happened, for people: who joined and left, which job ended how.
+
+use sqlx::Row;
+
+use super::schema::meta;
+use super::{Store, StoreError};
+use crate::farm::ids::JobId;
+
+/// Lines that are kept.
+const KEPT: i64 = 100_000;
+
+/// A line of the journal.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct JournalRow {
+    /// Its place; later lines have larger ones.
+    pub sequence: i64,
+    /// When, milliseconds since 1970.
+    pub time: i64,
+    /// The job that it is about.
+    pub job: Option<JobId>,
+    /// The worker that it is about.
+    pub worker: Option<String>,
+    /// What happened.
+    pub text: String,
+}
+
+impl Store {
+    /// Adds lines; their sequence numbers are given here.
+    pub async fn append_journal(&self, rows: &[JournalRow]) -> Result<(), StoreError> {
+        let mut transaction = self.pool.begin().await?;
+        let last = sqlx::query("SELECT COALESCE(MAX(sequence), 0) AS last FROM events").fetch_one(&mut *transaction);
+        let mut sequence: i64 = last.await?.try_get("last")?;
+        for row in rows {
+            sequence += 1;
+            let query = "INSERT INTO events (sequence, time, job, worker, text) VALUES ($1, $2, $3, $4, $5)";
+            let job = row.job.map(|job| job.number() as i64);
+            let query = sqlx::query(query).bind(sequence).bind(row.time).bind(job);
+            query.bind(row.worker.clone()).bind(row.text.clone()).execute(&mut *transaction).await?;
+        }
+        let old = sqlx::query("DELETE FROM events WHERE sequence <= $1").bind(sequence - KEPT);
+        old.execute(&mut *transaction).await?;
+        transaction.commit().await?;
+        Ok(())
+    }
+
+    /// At most `limit` lines after line `after`, of one job or of all.
+    pub async fn journal(&self, after: i64, job: Option<JobId>, limit: i64) -> Result<Vec<JournalRow>, StoreError> {
+        let query = "SELECT sequence, time, job, worker, text FROM events WHERE sequence > $1 AND ($2 < 0 OR job = $2) \
+                     ORDER BY sequence LIMIT $3";
+        let job = job.map_or(-1, |job| job.number() as i64);
+        let rows = sqlx::query(query).bind(after).bind(job).bind(limit).fetch_all(&self.pool).await?;
+        let read = |row: &sqlx::any::AnyRow| -> Result<JournalRow, StoreError> {
+            Ok(JournalRow {
+                sequence: row.try_get("sequence")?,
+                time: row.try_get("time")?,
+                job: row.try_get::<Option<i64>, _>("job")?.map(|job| JobId::new(job as u64)),
+                worker: row.try_get("worker")?,
+                text: row.try_get("text")?,
+            })
+        };
+        rows.iter().map(read).collect()
+    }
+
+    /// Records that a worker was there.
+    pub async fn record_worker(&self, name: &str, threads: u32, time: i64) -> Result<(), StoreError> {
+        let query = "INSERT INTO workers (name, threads, first_seen, last_seen) VALUES ($1, $2, $3, $3) \
+                     ON CONFLICT (name) DO UPDATE SET threads = excluded.threads, last_seen = excluded.last_seen";
+        let query = sqlx::query(query).bind(name.to_owned()).bind(i64::from(threads)).bind(time);
+        query.execute(&self.pool).await?;
+        Ok(())
+    }
+
+    /// The version of the tables.
+    pub async fn version(&self) -> Result<i64, StoreError> {
+        Ok(meta(&self.pool, "version").await?.unwrap_or(0))
+    }
+}

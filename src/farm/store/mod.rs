@@ -1,0 +1,80 @@
+//! What a farm keeps: records in SQL, blobs in folders or buckets.
+//!
+//! | file | what |
+//! |---|---|
+//! | `location` | where it is |
+//! | `schema` | tables, and how older stores become newer ones |
+//! | [`jobs`], [`scenes`], [`journal`] | records; durable when a call returns |
+//! | [`blobs`] | scenes and snapshots: large, named by their hash, checked when read |
+//! | [`maintenance`] | check, export, clean up |
+//!
+//! One set of queries serves SQLite and PostgreSQL, one port serves folders, S3 and memory: a coordinator without a data folder uses
+//! the same code on a database in memory.
+
+pub mod blobs;
+mod error;
+pub mod jobs;
+pub mod journal;
+mod location;
+pub mod maintenance;
+pub mod scenes;
+mod schema;
+
+use std::fs::File;
+use std::sync::Arc;
+
+use sqlx::AnyPool;
+
+pub use blobs::{BlobName, Blobs, Upload};
+pub use error::StoreError;
+pub use location::{BlobsLocation, RecordsLocation, StoreLocation};
+
+/// An open store. Cheap to clone; all clones are the same one.
+#[derive(Clone)]
+pub struct Store {
+    pool: AnyPool,
+    blobs: Blobs,
+    epoch: u64,
+    is_durable: bool,
+    /// Held as long as the store is open, so that no second coordinator writes into the same folder.
+    _lock: Option<Arc<File>>,
+}
+
+impl Store {
+    /// Opens a store; makes it if there is none, brings an older one up to date, and refuses a newer one without touching it.
+    pub async fn open(location: &StoreLocation) -> Result<Self, StoreError> {
+        let lock = location.lock()?.map(Arc::new);
+        schema::refuse_newer(&location.records).await?;
+        let pool = location.records.connect().await?;
+        let epoch = schema::migrate(&pool).await?;
+        let blobs = Blobs::open(&location.blobs)?;
+        Ok(Self { pool, blobs, epoch, is_durable: true, _lock: lock })
+    }
+
+    /// A store in memory: it ends with the process.
+    pub async fn in_memory() -> Result<Self, StoreError> {
+        let pool = RecordsLocation::Memory.connect().await?;
+        let epoch = schema::migrate(&pool).await?;
+        Ok(Self { pool, blobs: Blobs::in_memory(), epoch, is_durable: false, _lock: None })
+    }
+
+    /// How often this store was opened, this time included.
+    pub fn epoch(&self) -> u64 {
+        self.epoch
+    }
+
+    /// Whether it outlives the process.
+    pub fn is_durable(&self) -> bool {
+        self.is_durable
+    }
+
+    /// The blobs.
+    pub fn blobs(&self) -> &Blobs {
+        &self.blobs
+    }
+
+    /// Closes all connections.
+    pub async fn close(&self) {
+        self.pool.close().await;
+    }
+}

@@ -1,0 +1,89 @@
+//! The tables, and how older stores become newer ones: one step a version, each in a transaction.
+
+use sqlx::{AnyPool, Row};
+
+use super::error::StoreError;
+use super::location::{RecordsLocation, sqlite_address};
+
+/// Steps from no tables to the newest version; a released one never changes. Both databases understand them.
+const MIGRATIONS: &[&[&str]] = &[&[
+    "CREATE TABLE scenes (hash TEXT PRIMARY KEY, bytes BIGINT NOT NULL, created BIGINT NOT NULL, record TEXT NOT NULL)",
+    "CREATE TABLE jobs (id BIGINT PRIMARY KEY, state TEXT NOT NULL, scene TEXT NOT NULL REFERENCES scenes (hash), \
+     created BIGINT NOT NULL, ended BIGINT, record TEXT NOT NULL, snapshot TEXT, earlier_snapshot TEXT, \
+     resume_snapshot TEXT)",
+    "CREATE INDEX jobs_by_state ON jobs (state)",
+    "CREATE TABLE events (sequence BIGINT PRIMARY KEY, time BIGINT NOT NULL, job BIGINT, worker TEXT, text TEXT NOT NULL)",
+    "CREATE INDEX events_by_job ON events (job)",
+    "CREATE TABLE workers (name TEXT PRIMARY KEY, threads BIGINT NOT NULL, first_seen BIGINT NOT NULL, \
+     last_seen BIGINT NOT NULL)",
+]];
+
+/// The newest version that this program knows.
+pub(super) const VERSION: i64 = MIGRATIONS.len() as i64;
+
+/// Looks at an SQLite file without writing to it.
+pub(super) async fn refuse_newer(records: &RecordsLocation) -> Result<(), StoreError> {
+    let RecordsLocation::Sqlite(file) = records else { return Ok(()) };
+    if !file.exists() {
+        return Ok(());
+    }
+    sqlx::any::install_default_drivers();
+    let options = sqlx::any::AnyPoolOptions::new().max_connections(1);
+    let pool = records.opened(options.connect(&sqlite_address(file, "ro")).await)?;
+    let found = version(&pool).await;
+    pool.close().await;
+    refuse(found?)
+}
+
+fn refuse(found: i64) -> Result<(), StoreError> {
+    if found > VERSION { Err(StoreError::Newer { found, known: VERSION }) } else { Ok(()) }
+}
+
+/// Brings the tables up to date; answers how often the store was opened, this time included.
+pub(super) async fn migrate(pool: &AnyPool) -> Result<u64, StoreError> {
+    let found = version(pool).await?;
+    refuse(found)?;
+    if found == 0 {
+        sqlx::query("CREATE TABLE IF NOT EXISTS meta (name TEXT PRIMARY KEY, value BIGINT NOT NULL)")
+            .execute(pool)
+            .await?;
+    }
+    for (index, steps) in MIGRATIONS.iter().enumerate().skip(found as usize) {
+        let mut transaction = pool.begin().await?;
+        for step in *steps {
+            sqlx::query(*step).execute(&mut *transaction).await?;
+        }
+        set_meta(&mut *transaction, "version", index as i64 + 1).await?;
+        transaction.commit().await?;
+    }
+    let epoch = meta(pool, "epoch").await?.unwrap_or(0) + 1;
+    set_meta(pool, "epoch", epoch).await?;
+    Ok(epoch as u64)
+}
+
+/// The version of the tables; 0 where there are none.
+async fn version(pool: &AnyPool) -> Result<i64, StoreError> {
+    match meta(pool, "version").await {
+        Ok(version) => Ok(version.unwrap_or(0)),
+        // No table: a new database.
+        Err(StoreError::Records(sqlx::Error::Database(_))) => Ok(0),
+        Err(problem) => Err(problem),
+    }
+}
+
+/// A number that belongs to the whole store.
+pub(super) async fn meta(pool: &AnyPool, name: &str) -> Result<Option<i64>, StoreError> {
+    let row = sqlx::query("SELECT value FROM meta WHERE name = $1").bind(name).fetch_optional(pool).await?;
+    Ok(row.map(|row| row.try_get("value")).transpose()?)
+}
+
+pub(super) async fn set_meta<'e>(
+    executor: impl sqlx::Executor<'e, Database = sqlx::Any>,
+    name: &str,
+    value: i64,
+) -> Result<(), StoreError> {
+    let query =
+        "INSERT INTO meta (name, value) VALUES ($1, $2) ON CONFLICT (name) DO UPDATE SET value = excluded.value";
+    sqlx::query(query).bind(name.to_owned()).bind(value).execute(executor).await?;
+    Ok(())
+}
