@@ -361,15 +361,22 @@ async fn the_description_names_every_address() {
         "/v1/jobs/{id}",
         "/v1/jobs/{id}/cancel",
         "/v1/jobs/{id}/chart.svg",
+        "/v1/jobs/{id}/clone",
         "/v1/jobs/{id}/events",
+        "/v1/jobs/{id}/extend",
         "/v1/jobs/{id}/image.exr",
         "/v1/jobs/{id}/image.png",
         "/v1/jobs/{id}/map.png",
         "/v1/jobs/{id}/map.svg",
+        "/v1/jobs/{id}/pause",
+        "/v1/jobs/{id}/resume",
+        "/v1/journal",
+        "/v1/limits",
         "/v1/methods",
         "/v1/scenes",
         "/v1/scenes/{hash}",
         "/v1/workers",
+        "/version",
     ];
     assert_eq!(paths, expected);
     let text = description.to_string();
@@ -383,4 +390,67 @@ async fn the_description_names_every_address() {
     assert_eq!(answer(farm.get("/healthz").await).await.1["status"], "ok");
     let page = farm.get("/").await.text().await.expect("a page");
     assert!(page.contains("photonfarm") && !page.contains("https://"), "loads nothing from elsewhere");
+}
+
+/// Names, tags, priority, pause, copies and deletion of jobs and scenes.
+#[tokio::test(flavor = "multi_thread")]
+async fn jobs_are_changed_copied_and_deleted() {
+    let farm = Farm::start(0).await;
+    let id = farm.submit(json!({ "passes": 1000 })).await;
+    let path = format!("/v1/jobs/{id}");
+    let send = |method: reqwest::Method, path: String, body: Value| {
+        let request = farm.http.request(method, format!("{}{path}", farm.base));
+        request.header(header::CONTENT_TYPE, "application/json").body(body.to_string()).send()
+    };
+    let patch = json!({ "name": "kitchen", "tags": ["night"], "priority": 300 });
+    let changed = send(reqwest::Method::PATCH, path.clone(), patch).await.expect("an answer");
+    let (status, job) = answer(changed).await;
+    assert_eq!((status, &job["name"], &job["priority"]), (200, &json!("kitchen"), &json!(300)));
+    let wrong = send(reqwest::Method::PATCH, path.clone(), json!({ "priority": 0 })).await.expect("an answer");
+    problem(wrong, 422, "bad-request").await;
+
+    let (status, paused) = answer(farm.post(&format!("{path}/pause"), "").await).await;
+    assert_eq!((status, &paused["state"], &paused["paused"]), (200, &json!("paused"), &json!("paused by a user")));
+    problem(farm.post(&format!("{path}/pause"), "").await, 409, "conflict").await;
+    let (_, resumed) = answer(farm.post(&format!("{path}/resume"), "").await).await;
+    assert_eq!(resumed["state"], "queued");
+    problem(farm.post(&format!("{path}/extend"), "{\"passes\": 2000}").await, 409, "conflict").await;
+
+    let copy = farm.post(&format!("{path}/clone"), "{\"seed\": 9, \"stop\": {\"passes\": 5}}").await;
+    let (status, copy) = answer(copy).await;
+    assert_eq!(
+        (status, &copy["seed"], &copy["passes_total"], &copy["name"]),
+        (202, &json!(9), &json!(5), &json!("kitchen"))
+    );
+    assert_eq!(copy["parameters"]["photons_per_pass"], 2000);
+
+    let scene = job["scene"].as_str().expect("a hash").to_owned();
+    let (_, scenes) = answer(farm.get("/v1/scenes").await).await;
+    assert_eq!(scenes["scenes"][0]["hash"], scene);
+    let in_use = send(reqwest::Method::DELETE, format!("/v1/scenes/{scene}"), json!({})).await.expect("an answer");
+    problem(in_use, 409, "conflict").await;
+    for job in [id, copy["id"].as_str().expect("an id").to_owned()] {
+        let deleted = send(reqwest::Method::DELETE, format!("/v1/jobs/{job}"), json!({})).await.expect("an answer");
+        assert_eq!(deleted.status(), 204);
+        problem(farm.get(&format!("/v1/jobs/{job}")).await, 404, "unknown-job").await;
+    }
+    let deleted = send(reqwest::Method::DELETE, format!("/v1/scenes/{scene}"), json!({})).await.expect("an answer");
+    assert_eq!(deleted.status(), 204);
+    let (_, journal) = answer(farm.get("/v1/journal").await).await;
+    assert!(journal.to_string().contains("is cancelled"), "{journal}");
+}
+
+/// What is too much is refused with the time to try again.
+#[tokio::test(flavor = "multi_thread")]
+async fn too_many_jobs_are_told_when_to_come_again() {
+    let farm = Farm::start_with(0, Limits { live_jobs: 1, scene_bytes: 10_000, ..Limits::default() }).await;
+    farm.submit(json!({ "passes": 1 })).await;
+    let job = json!({ "scene_inline": SCENE });
+    let refused = farm.post("/v1/jobs", job.to_string()).await;
+    assert_eq!(refused.headers()[header::RETRY_AFTER], "5");
+    problem(refused, 429, "busy").await;
+    let large = farm.post("/v1/scenes", format!("{SCENE}<!-- {} -->", "x".repeat(10_000))).await;
+    problem(large, 413, "too-large").await;
+    let (_, limits) = answer(farm.get("/v1/limits").await).await;
+    assert_eq!(limits["scene_bytes"], 10_000);
 }

@@ -30,7 +30,9 @@ const CRATES: &[(&str, &[&str])] = &[
     ("base64", &["scene/import/gltf", "evaluation/chart"]),
     ("roxmltree", &["scene/import", "cli/scene_file.rs"]),
     ("flate2", &["scene/geometry/serialized.rs"]),
-    ("zip", &["scene", "cli/scene_file.rs"]),
+    ("zip", &["scene", "cli/scene_file.rs", "farm/store/maintenance.rs"]),
+    ("sqlx", &["farm/store"]),
+    ("object_store", &["farm/store"]),
     ("exr", &["estimate/picture_files", "scene/texture"]),
     ("image", &["estimate/picture_files", "scene/texture"]),
     ("plotters", &["evaluation/chart/canvas.rs"]),
@@ -233,6 +235,32 @@ fn structure_rendering_knows_no_clock_environment_or_thread() {
         }
     }
     assert_none(&violations, "a pass is a pure function of its scene, parameters, seed and index");
+}
+
+/// Functions of the system's mathematical library differ between systems, and so would pictures; the crate `libm` is the same everywhere.
+#[test]
+fn structure_pictures_do_not_hang_on_the_systems_mathematics() {
+    const FUNCTIONS: &[&str] = &[
+        "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "exp2",
+        "exp_m1", "ln", "ln_1p", "log", "log2", "log10", "powf", "hypot", "cbrt",
+    ];
+    const LAYERS_OF_PICTURES: &[&str] = &["math", "scene", "transport", "estimate", "method", "render"];
+    let mut violations = Vec::new();
+    for file in sources().iter().filter(|file| LAYERS_OF_PICTURES.contains(&file.layer())) {
+        for function in FUNCTIONS {
+            let called = [format!(".{function}("), format!("f32::{function}"), format!("f64::{function}")];
+            let names = |call: &String| {
+                file.code.match_indices(call.as_str()).any(|(at, _)| {
+                    !file.code[at + call.len()..].starts_with(|next: char| next.is_alphanumeric() || next == '_')
+                        || call.ends_with('(')
+                })
+            };
+            if called.iter().any(names) {
+                violations.push(format!("{} calls {function}", file.path));
+            }
+        }
+    }
+    assert_none(&violations, "the crate libm is used, so that every system gives the same bits");
 }
 
 #[test]

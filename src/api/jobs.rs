@@ -1,4 +1,4 @@
-//! Jobs: submit, look at, cancel.
+//! Jobs: submitted, looked at, changed.
 
 use axum::Json;
 use axum::extract::State;
@@ -108,9 +108,13 @@ impl From<JobStatus> for JobView {
     responses(
         (status = 202, description = "Checked and queued", body = JobView, headers(("Location" = String))),
         (status = 400, description = "Not JSON", body = Problem, content_type = "application/problem+json"),
-        (status = 413, description = "More than 64 MiB", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "More than /v1/limits allows", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "Not said to be JSON", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
+        (status = 429, description = "Too many jobs wait or run", body = Problem,
+            content_type = "application/problem+json"),
+        (status = 503, description = "The store is full, or the coordinator stops", body = Problem,
+            content_type = "application/problem+json"),
     )
 )]
 pub async fn submit_job(
@@ -127,10 +131,7 @@ pub async fn submit_job(
     };
     let JobSubmission { method, parameters, stop, seed, name, tags, priority, .. } = submission;
     let request = JobRequest { scene, method, parameters, stop, seed, name, tags, priority };
-    let id = state.coordinator.submit(request).await.map_err(submission_problem)?;
-    let view = JobView::from(state.coordinator.job(id)?);
-    let location = view.links.this.clone();
-    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)).into_response())
+    accepted(&state, request).await
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]
@@ -192,4 +193,12 @@ pub async fn cancel_job(
     PathValue(id): PathValue<String>,
 ) -> Result<Json<JobView>, Problem> {
     Ok(Json(state.coordinator.cancel(parse_job(&id)?).await?.into()))
+}
+
+/// Submits a job and says where it is.
+pub(super) async fn accepted(state: &ApiState, request: JobRequest) -> Result<Response, Problem> {
+    let id = state.coordinator.submit(request).await.map_err(submission_problem)?;
+    let view = JobView::from(state.coordinator.job(id)?);
+    let location = view.links.this.clone();
+    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)).into_response())
 }

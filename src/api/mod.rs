@@ -4,13 +4,14 @@
 //! |---|---|
 //! | [`problem`] | every error answer, `application/problem+json` |
 //! | [`extract`] | path, query and body of a request, with errors as problems |
-//! | [`scenes`], [`jobs`], [`images`], [`maps`], [`events`], [`methods`], [`workers`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`] | the endpoints |
 //! | [`openapi`] | the description of all this, generated from the handlers |
 
 pub mod dashboard;
 pub mod events;
 pub mod extract;
 pub mod images;
+pub mod job_control;
 pub mod jobs;
 pub mod maps;
 pub mod methods;
@@ -52,14 +53,20 @@ pub fn router(state: ApiState) -> Router {
 
 fn described_routes(limits: &Limits) -> OpenApiRouter<ApiState> {
     let bytes = |limit: u64| DefaultBodyLimit::max(usize::try_from(limit).unwrap_or(usize::MAX));
-    let uploads = OpenApiRouter::new().routes(routes!(scenes::upload_scene)).layer(bytes(limits.scene_bytes));
+    let uploads = OpenApiRouter::new()
+        .routes(routes!(scenes::list_scenes, scenes::upload_scene))
+        .layer(bytes(limits.scene_bytes));
     let submissions =
         OpenApiRouter::new().routes(routes!(jobs::list_jobs, jobs::submit_job)).layer(bytes(limits.job_bytes));
     let version_1 = OpenApiRouter::new()
         .merge(uploads)
         .merge(submissions)
-        .routes(routes!(scenes::show_scene))
-        .routes(routes!(jobs::show_job))
+        .routes(routes!(scenes::show_scene, scenes::delete_scene))
+        .routes(routes!(jobs::show_job, job_control::change_job, job_control::delete_job))
+        .routes(routes!(job_control::pause_job))
+        .routes(routes!(job_control::resume_job))
+        .routes(routes!(job_control::extend_job))
+        .routes(routes!(job_control::clone_job))
         .routes(routes!(jobs::cancel_job))
         .routes(routes!(events::job_events))
         .routes(routes!(images::image_png))
@@ -68,6 +75,11 @@ fn described_routes(limits: &Limits) -> OpenApiRouter<ApiState> {
         .routes(routes!(maps::map_png))
         .routes(routes!(maps::map_svg))
         .routes(routes!(methods::list_methods))
-        .routes(routes!(workers::list_workers));
-    OpenApiRouter::with_openapi(openapi::Description::openapi()).routes(routes!(workers::health)).nest("/v1", version_1)
+        .routes(routes!(workers::list_workers))
+        .routes(routes!(workers::journal))
+        .routes(routes!(workers::limits));
+    OpenApiRouter::with_openapi(openapi::Description::openapi())
+        .routes(routes!(workers::health))
+        .routes(routes!(workers::version))
+        .nest("/v1", version_1)
 }

@@ -47,7 +47,7 @@ impl From<SceneSummary> for SceneView {
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses(
         (status = 201, description = "Checked and kept", body = SceneView, headers(("Location" = String))),
-        (status = 413, description = "More than 1 GiB", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "More than /v1/limits allows", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Cannot be rendered", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -83,4 +83,38 @@ pub async fn show_scene(
     PathValue(hash): PathValue<String>,
 ) -> Result<Json<SceneView>, Problem> {
     Ok(Json(state.coordinator.scene(&hash)?.into()))
+}
+
+/// All uploaded scenes.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct SceneList {
+    /// By hash.
+    pub scenes: Vec<SceneView>,
+}
+
+/// Lists all scenes.
+#[utoipa::path(
+    get, path = "/scenes", tag = "scenes",
+    responses((status = 200, description = "All scenes, by hash", body = SceneList))
+)]
+pub async fn list_scenes(State(state): State<ApiState>) -> Json<SceneList> {
+    Json(SceneList { scenes: state.coordinator.scenes().into_iter().map(SceneView::from).collect() })
+}
+
+/// Deletes a scene that no job refers to.
+#[utoipa::path(
+    delete, path = "/scenes/{hash}", tag = "scenes",
+    params(("hash" = String, Path, description = "Hash of the scene, 64 hexadecimal digits")),
+    responses(
+        (status = 204, description = "It is gone"),
+        (status = 404, description = "Never uploaded", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "A job refers to it", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn delete_scene(
+    State(state): State<ApiState>,
+    PathValue(hash): PathValue<String>,
+) -> Result<StatusCode, Problem> {
+    state.coordinator.delete_scene(&hash).await?;
+    Ok(StatusCode::NO_CONTENT)
 }

@@ -1,12 +1,17 @@
-//! Workers, and whether the coordinator itself is well.
+//! Workers, what happened, and whether the coordinator itself is well.
 
 use axum::Json;
 use axum::extract::State;
-use serde::Serialize;
-use utoipa::ToSchema;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
+use super::extract::{QueryValues, parse_job};
+use super::problem::Problem;
+use crate::farm::Limits;
 use crate::farm::job::WorkerStatus;
+use crate::farm::store::journal::JournalRow;
+use crate::farm::wire::BUILD;
 
 /// All workers.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
@@ -22,6 +27,8 @@ pub struct Health {
     pub status: &'static str,
     /// Version of the program.
     pub version: &'static str,
+    /// Which build of it.
+    pub build: &'static str,
 }
 
 /// Lists all registered workers.
@@ -36,5 +43,90 @@ pub async fn list_workers(State(state): State<ApiState>) -> Json<WorkerList> {
 /// Answers as long as the coordinator does.
 #[utoipa::path(get, path = "/healthz", tag = "health", responses((status = 200, description = "Well", body = Health)))]
 pub async fn health() -> Json<Health> {
-    Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION") })
+    Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION"), build: BUILD })
+}
+
+/// What this program is.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct Version {
+    /// Version of the program.
+    pub version: &'static str,
+    /// Version and a hash of everything that decides what the program computes. Only equal builds work on one picture.
+    pub build: &'static str,
+}
+
+/// Tells version and build.
+#[utoipa::path(get, path = "/version", tag = "health", responses((status = 200, description = "The program", body = Version)))]
+pub async fn version() -> Json<Version> {
+    Json(Version { version: env!("CARGO_PKG_VERSION"), build: BUILD })
+}
+
+/// Tells what is accepted here.
+#[utoipa::path(get, path = "/limits", tag = "health", responses((status = 200, description = "All limits", body = Limits)))]
+pub async fn limits(State(state): State<ApiState>) -> Json<Limits> {
+    Json(state.coordinator.limits().clone())
+}
+
+/// Part of the journal.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct Journal {
+    /// Oldest first.
+    pub lines: Vec<JournalLine>,
+}
+
+/// Something that happened on the farm.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+pub struct JournalLine {
+    /// Its place in the journal; later lines have larger ones.
+    pub sequence: i64,
+    /// When, milliseconds since 1970.
+    pub time: i64,
+    /// The job that it is about.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub job: Option<String>,
+    /// The worker that it is about.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub worker: Option<String>,
+    /// What happened.
+    pub text: String,
+}
+
+/// Which part of the journal.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct JournalQuery {
+    /// Only lines after the one with this sequence number; 0 by default.
+    #[serde(default)]
+    pub after: i64,
+    /// Only lines about this job.
+    pub job: Option<String>,
+}
+
+/// Lines of an answer at most.
+const LINES: u16 = 1000;
+
+/// Tells what happened: who joined and left, how jobs went on. At most 1000 lines.
+#[utoipa::path(
+    get, path = "/journal", tag = "workers", params(JournalQuery),
+    responses(
+        (status = 200, description = "Lines, oldest first", body = Journal),
+        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn journal(
+    State(state): State<ApiState>,
+    QueryValues(query): QueryValues<JournalQuery>,
+) -> Result<Json<Journal>, Problem> {
+    let job = query.job.as_deref().map(parse_job).transpose()?;
+    let rows = state.coordinator.journal(query.after, job, LINES).await?;
+    let line = |row: JournalRow| JournalLine {
+        sequence: row.sequence,
+        time: row.time,
+        job: row.job.map(|job| job.to_string()),
+        worker: row.worker,
+        text: row.text,
+    };
+    Ok(Json(Journal { lines: rows.into_iter().map(line).collect() }))
 }

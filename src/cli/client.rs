@@ -10,12 +10,16 @@ use serde::de::DeserializeOwned;
 use super::exit_code::CliError;
 use crate::api::jobs::JobSubmission;
 use crate::api::problem::Problem;
-use crate::farm::job::JobStatus;
+use crate::farm::SceneSummary;
+use crate::farm::job::{JobStatus, StopRule, WorkerStatus};
 
 /// How often in a row a broken stream of events is opened again.
 const RECONNECTS: u32 = 10;
 /// The pause before that.
 const RECONNECT_PAUSE: Duration = Duration::from_secs(1);
+
+/// How often a picture is asked for whose layers are not there yet; each request waits for some seconds.
+const WAITS: u32 = 30;
 
 /// Which coordinator to speak to.
 #[derive(Clone, Debug, Args)]
@@ -48,6 +52,16 @@ struct JobList {
     jobs: Vec<JobStatus>,
 }
 
+#[derive(Deserialize)]
+struct SceneList {
+    scenes: Vec<SceneSummary>,
+}
+
+#[derive(Deserialize)]
+struct WorkerList {
+    workers: Vec<WorkerStatus>,
+}
+
 impl Client {
     pub(super) fn new(base: &str) -> Result<Self, CliError> {
         let base = base.trim_end_matches('/').to_owned();
@@ -78,17 +92,48 @@ impl Client {
         Ok(self.json::<JobList>(self.request(Method::GET, "/v1/jobs")).await?.jobs)
     }
 
+    pub(super) async fn scenes(&self) -> Result<Vec<SceneSummary>, CliError> {
+        Ok(self.json::<SceneList>(self.request(Method::GET, "/v1/scenes")).await?.scenes)
+    }
+
+    pub(super) async fn workers(&self) -> Result<Vec<WorkerStatus>, CliError> {
+        Ok(self.json::<WorkerList>(self.request(Method::GET, "/v1/workers")).await?.workers)
+    }
+
+    /// Does something to a job that needs no more than its name (`/cancel`, `/pause`, `/resume`).
+    pub(super) async fn control(&self, id: &str, what: &str) -> Result<JobStatus, CliError> {
+        self.json(self.request(Method::POST, &job_path(id, what)?)).await
+    }
+
     pub(super) async fn cancel(&self, id: &str) -> Result<JobStatus, CliError> {
-        self.json(self.request(Method::POST, &job_path(id, "/cancel")?)).await
+        self.control(id, "/cancel").await
+    }
+
+    pub(super) async fn extend(&self, id: &str, stop: &StopRule) -> Result<JobStatus, CliError> {
+        let body = serde_json::to_vec(stop).map_err(CliError::failed)?;
+        let request = self.request(Method::POST, &job_path(id, "/extend")?);
+        self.json(request.header(header::CONTENT_TYPE, "application/json").body(body)).await
+    }
+
+    pub(super) async fn delete(&self, id: &str) -> Result<(), CliError> {
+        accepted(self.send(self.request(Method::DELETE, &job_path(id, "")?)).await?).await?;
+        Ok(())
     }
 
     /// The bytes of `image` (for example `image.png?exposure=1`); `None` when nothing was rendered yet.
     pub(super) async fn image(&self, id: &str, image: &str) -> Result<Option<Vec<u8>>, CliError> {
-        let response = self.send(self.request(Method::GET, &job_path(id, &format!("/{image}"))?)).await?;
-        match accepted(response).await {
-            Ok(response) => Ok(Some(response.bytes().await.map_err(|error| self.unreachable(&error))?.to_vec())),
-            Err(problem) if problem.slug() == "no-picture-yet" => Ok(None),
-            Err(problem) => Err(problem.into()),
+        let mut waits = WAITS;
+        loop {
+            let response = self.send(self.request(Method::GET, &job_path(id, &format!("/{image}"))?)).await?;
+            match accepted(response).await {
+                Ok(response) => {
+                    return Ok(Some(response.bytes().await.map_err(|error| self.unreachable(&error))?.to_vec()));
+                }
+                Err(problem) if problem.slug() == "no-picture-yet" => return Ok(None),
+                // A worker has to look at the first surfaces; large scenes take a while.
+                Err(problem) if problem.slug() == "not-yet" && waits > 0 => waits -= 1,
+                Err(problem) => return Err(problem.into()),
+            }
         }
     }
 

@@ -6,6 +6,7 @@ mod client;
 mod compare;
 mod evaluate;
 mod exit_code;
+mod extend;
 mod farm_options;
 mod fetch;
 mod import;
@@ -14,21 +15,29 @@ mod jobs;
 mod map;
 mod methods;
 mod outputs;
+mod pause;
 mod plan;
 mod processor;
 mod progress;
 mod render;
+mod resume;
+mod rm;
 mod scene;
 mod scene_file;
+mod scenes;
 mod serve;
 mod signals;
+mod store;
+mod store_options;
 mod submit;
 mod terminal;
 mod watch;
 mod weight_maps;
 mod worker;
+mod workers;
 
 use std::future::Future;
+use std::io::IsTerminal;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -41,10 +50,11 @@ use tracing_subscriber::util::SubscriberInitExt;
 use exit_code::{CliError, EXIT_CODES};
 
 use crate::farm::EVENTS;
+use crate::farm::wire::BUILD;
 
 /// One photon-mapped picture on many machines.
 #[derive(Debug, Parser)]
-#[command(name = "photonfarm", version, after_help = EXIT_CODES, subcommand_required = true, arg_required_else_help = true)]
+#[command(name = "photonfarm", version = BUILD, after_help = EXIT_CODES, subcommand_required = true, arg_required_else_help = true)]
 struct CommandLine {
     /// Log more to standard error; twice for still more.
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
@@ -62,7 +72,14 @@ enum Command {
     Watch(watch::Watch),
     Fetch(fetch::Fetch),
     Cancel(cancel::Cancel),
+    Pause(pause::Pause),
+    Resume(resume::Resume),
+    Extend(extend::Extend),
+    Rm(rm::Remove),
     Jobs(jobs::Jobs),
+    Scenes(scenes::Scenes),
+    Workers(workers::Workers),
+    Store(store::Store),
     Methods(methods::Methods),
     Import(import::Import),
     Scene(scene::Scene),
@@ -99,7 +116,14 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Watch(command) => in_runtime(command.run()),
         Command::Fetch(command) => in_runtime(command.run()),
         Command::Cancel(command) => in_runtime(command.run()),
+        Command::Pause(command) => in_runtime(command.run()),
+        Command::Resume(command) => in_runtime(command.run()),
+        Command::Extend(command) => in_runtime(command.run()),
+        Command::Rm(command) => in_runtime(command.run()),
         Command::Jobs(command) => in_runtime(command.run()),
+        Command::Scenes(command) => in_runtime(command.run()),
+        Command::Workers(command) => in_runtime(command.run()),
+        Command::Store(command) => in_runtime(command.run()),
         Command::Methods(command) => command.run(),
         Command::Import(command) => command.run(),
         Command::Scene(command) => command.run(),
@@ -130,5 +154,6 @@ fn start_log(verbose: u8) {
     // Who joins, leaves or dies is for everybody who runs a farm.
     let filter = Targets::new().with_default(level).with_target(EVENTS, level.max(LevelFilter::INFO));
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).log_internal_errors(false);
+    let lines = lines.with_ansi(std::io::stderr().is_terminal()).with_target(false);
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }

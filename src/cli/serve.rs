@@ -6,15 +6,17 @@ use clap::Args;
 
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
+use super::store_options::StoreOptions;
 use super::{signals, terminal};
-use crate::farm::LocalFarm;
+use crate::farm::{CoordinatorOptions, LocalFarm};
 
 /// How long shards that are being traced are waited for.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(60);
 
 /// Run a coordinator.
 ///
-/// It runs until Ctrl-C or SIGTERM.
+/// It keeps scenes, jobs and pictures in a folder, and goes on from there when it is started again. It runs until Ctrl-C or SIGTERM; then it
+/// waits for what is being traced.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Serve {
     /// Address to listen at; port 0 takes any free one.
@@ -26,13 +28,35 @@ pub(super) struct Serve {
     /// Threads per worker [default: processors / workers].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    #[command(flatten)]
+    store: StoreOptions,
+    /// Memory for the states of running jobs, GiB [default: half of this machine's].
+    #[arg(long, value_name = "GIB")]
+    memory: Option<f64>,
+    /// Share of shards that a second worker traces to compare their bits, 0 to 1.
+    #[arg(long, default_value_t = 0.01, value_name = "SHARE")]
+    check_share: f64,
+    /// Seconds between two snapshots of a job at least.
+    #[arg(long, default_value_t = 30.0, value_name = "SECONDS")]
+    snapshot_interval: f64,
 }
 
 impl Serve {
     pub(super) async fn run(self) -> Result<(), CliError> {
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
-        let mut farm = farm_with_api(workers, threads).listen(&self.listen).start().await?;
+        let options = self.options()?;
+        let store = self.store.open().await?;
+        match self.store.location()? {
+            Some(location) => terminal::note(&format!("data is kept in {}", location.folder.display())),
+            None => terminal::note("all is kept in memory and ends with this process"),
+        }
+        let builder = farm_with_api(workers, threads).listen(&self.listen).options(options).store(store);
+        let mut farm = builder.start().await?;
+        let live = farm.client().jobs().iter().filter(|job| !job.state.is_final()).count();
+        if live > 0 {
+            terminal::note(&format!("{live} jobs go on from where they were stored"));
+        }
         terminal::note(&format!("photonfarm listens at http://{}", farm.address()));
         let result = tokio::select! {
             result = signals::interrupted() => result,
@@ -41,8 +65,29 @@ impl Serve {
         if result.is_ok() {
             self.drain(&farm).await;
         }
+        let is_durable = self.store.location()?.is_some();
+        let left = farm.client().jobs().iter().filter(|job| !job.state.is_final()).count();
         farm.stop().await;
+        if is_durable && left > 0 {
+            terminal::note(&format!("{left} jobs are stored; start `serve` with the same --data to go on"));
+        }
         result
+    }
+
+    fn options(&self) -> Result<CoordinatorOptions, CliError> {
+        let mut options = CoordinatorOptions { check_share: self.check_share, ..CoordinatorOptions::default() };
+        if !(0.0..=1.0).contains(&self.check_share) {
+            return Err(CliError::BadInput(format!("--check-share is {}; give 0 to 1", self.check_share)));
+        }
+        if let Some(memory) = self.memory {
+            if !(memory.is_finite() && memory > 0.0) {
+                return Err(CliError::BadInput(format!("--memory is {memory}; give a number of GiB above 0")));
+            }
+            options.limits.job_memory = (memory * f64::from(1 << 30)) as u64;
+        }
+        options.snapshot_interval = Duration::try_from_secs_f64(self.snapshot_interval)
+            .map_err(|problem| CliError::BadInput(format!("--snapshot-interval: {problem}")))?;
+        Ok(options)
     }
 
     /// Waits for what is being traced. A further Ctrl-C ends that at once.

@@ -20,3 +20,8 @@ pub(super) fn note(text: &str) {
     // Where standard error is closed there is nobody to tell.
     let _ = writeln!(std::io::stderr(), "{text}");
 }
+
+/// A result as JSON.
+pub(super) fn json(value: &impl serde::Serialize) -> Result<(), CliError> {
+    result(&serde_json::to_string_pretty(value).map_err(CliError::failed)?)
+}

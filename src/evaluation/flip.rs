@@ -155,5 +155,5 @@ fn feature_filters(derivative: Derivative) -> [Vec<f64>; 2] {
 
 /// Length of the vector of both directions' answers.
 fn strength(plane: &Plane, [sharp, smooth]: &[Vec<f64>; 2]) -> Plane {
-    plane.filtered(sharp, smooth).combined(&plane.filtered(smooth, sharp), f64::hypot)
+    plane.filtered(sharp, smooth).combined(&plane.filtered(smooth, sharp), libm::hypot)
 }

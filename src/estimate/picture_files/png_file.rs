@@ -8,7 +8,7 @@ use crate::estimate::Picture;
 
 /// Encodes a picture after multiplying it by `2^exposure` (`exposure` in stops).
 pub fn encode_png(picture: &Picture, exposure: f32) -> Result<Vec<u8>, PictureFileError> {
-    let scale = exposure.exp2();
+    let scale = libm::exp2f(exposure);
     let bytes: Vec<u8> = picture.radiance.iter().flatten().map(|radiance| srgb_byte(radiance * scale)).collect();
     encode(&bytes, picture.width, picture.height, CompressionType::Fast, FilterType::Adaptive)
 }
@@ -34,6 +34,6 @@ fn encode(
 
 /// The sRGB transfer function (IEC 61966-2-1) and rounding. Negative and not-a-number give 0.
 pub(crate) fn srgb_byte(linear: f32) -> u8 {
-    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    let encoded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     (encoded * 255.0).round() as u8
 }

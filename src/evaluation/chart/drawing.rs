@@ -69,7 +69,7 @@ impl Drawing {
         let mut travelled = 0.0;
         for pair in points.windows(2) {
             let [from, to] = [pair[0], pair[1]];
-            let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+            let length = libm::hypot(to[0] - from[0], to[1] - from[1]);
             let at = |distance: f64| [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * distance / length);
             let mut start = -(travelled % (DASH + GAP));
             while start < length {

@@ -96,7 +96,7 @@ impl Sphere {
     /// φ in turns, and θ from +z in half turns.
     pub fn uv(&self, position: Vec3, _barycentric: [f32; 2]) -> Vec2 {
         let [x, y, z] = self.axes().map(|axis| axis.dot(position - self.center));
-        Vec2::new(turns(x, y), libm::atan2f(x.hypot(y), z) * FRAC_1_PI)
+        Vec2::new(turns(x, y), libm::atan2f(libm::hypotf(x, y), z) * FRAC_1_PI)
     }
 
     /// ∂p/∂u and ∂p/∂v, m.

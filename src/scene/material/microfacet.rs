@@ -68,7 +68,7 @@ impl Microfacets {
     /// 1/(α·tan θ) of a direction, α being that along its azimuth.
     #[inline]
     fn inverse_slope(&self, direction: Vec3) -> f32 {
-        direction.z.abs() / (self.alpha_u * direction.x).hypot(self.alpha_v * direction.y)
+        direction.z.abs() / libm::hypotf(self.alpha_u * direction.x, self.alpha_v * direction.y)
     }
 
     /// Smith's G1: share of the microfacets with normal `normal` that `direction` sees.
@@ -142,7 +142,7 @@ fn ggx_normal(direction: Vec3, u: [f32; 2]) -> Vec3 {
 
 /// The slope against the direction has density ∝ max(0, cos θ − slope·sin θ)·exp(−slope²), the other exp(−slope²).
 fn beckmann_normal(direction: Vec3, u: [f32; 2]) -> Vec3 {
-    let sine = direction.x.hypot(direction.y);
+    let sine = libm::hypotf(direction.x, direction.y);
     let along = slope(f64::from(direction.z), f64::from(sine), u[0]);
     let across = slope(1.0, 0.0, u[1]);
     let (cos, sin) = if sine > 0.0 { (direction.x / sine, direction.y / sine) } else { (1.0, 0.0) };

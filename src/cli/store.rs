@@ -1,0 +1,64 @@
+//! `store`: looks after what a coordinator keeps.
+
+use std::path::PathBuf;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use clap::{Args, Subcommand};
+
+use super::exit_code::CliError;
+use super::store_options::StoreOptions;
+use super::terminal;
+
+/// How old a blob must be that nobody names, before it is deleted.
+const GRACE: Duration = Duration::from_secs(3600);
+
+/// Look after a coordinator's store.
+///
+/// The coordinator must not run meanwhile.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Store {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum Task {
+    /// Read everything, and say what is missing or damaged.
+    Check {
+        #[command(flatten)]
+        store: StoreOptions,
+    },
+    /// Write all records and blobs into a zip archive.
+    Export {
+        /// The archive to write.
+        file: PathBuf,
+        #[command(flatten)]
+        store: StoreOptions,
+    },
+    /// Delete blobs that no record names.
+    Gc {
+        #[command(flatten)]
+        store: StoreOptions,
+    },
+}
+
+impl Store {
+    pub(super) async fn run(self) -> Result<(), CliError> {
+        match self.task {
+            Task::Check { store } => {
+                let report = store.open().await?.check().await?;
+                terminal::json(&report)?;
+                match report.problems.len() {
+                    0 => Ok(()),
+                    count => Err(CliError::File(format!("{count} blobs are missing or damaged"))),
+                }
+            }
+            Task::Export { file, store } => Ok(store.open().await?.export(&file).await?),
+            Task::Gc { store } => {
+                let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+                let before = now.saturating_sub(GRACE).as_millis() as i64;
+                terminal::json(&store.open().await?.clean_up(before).await?)
+            }
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! The store through its public door: a real SQLite file always, a real PostgreSQL database and a real S3-compatible bucket where the
+//! environment names them (`PHOTONFARM_TEST_POSTGRES`, `PHOTONFARM_TEST_S3` with the usual `AWS_…` variables).
+
+use std::path::Path;
+
+use photonfarm::farm::ids::JobId;
+use photonfarm::farm::job::JobState;
+use photonfarm::farm::store::jobs::{JobRow, Snapshots};
+use photonfarm::farm::store::journal::JournalRow;
+use photonfarm::farm::store::scenes::SceneRow;
+use photonfarm::farm::store::{BlobName, BlobsLocation, RecordsLocation, Store, StoreError, StoreLocation};
+
+const HOUR: i64 = 3_600_000;
+
+/// Every kind of store that there is here, empty.
+fn locations(folder: &Path) -> Vec<StoreLocation> {
+    let mut locations = vec![StoreLocation::folder(folder)];
+    match std::env::var("PHOTONFARM_TEST_POSTGRES") {
+        Ok(address) => locations.push(StoreLocation {
+            records: RecordsLocation::Postgres(address),
+            folder: folder.join("postgres"),
+            blobs: BlobsLocation::Folder(folder.join("postgres/blobs")),
+        }),
+        Err(_) => println!("PHOTONFARM_TEST_POSTGRES is not set: no PostgreSQL is tested"),
+    }
+    match std::env::var("PHOTONFARM_TEST_S3") {
+        Ok(address) => locations.push(StoreLocation {
+            blobs: BlobsLocation::S3(format!("{address}/{}", folder.file_name().expect("a name").to_string_lossy())),
+            ..StoreLocation::folder(folder.join("s3"))
+        }),
+        Err(_) => println!("PHOTONFARM_TEST_S3 is not set: no S3-compatible store is tested"),
+    }
+    locations
+}
+
+fn scene(hash: &str) -> SceneRow {
+    SceneRow { hash: hash.to_owned(), bytes: 5, created: 1, record: "{\"a\":1}".to_owned() }
+}
+
+fn job(id: JobId, scene: &str) -> JobRow {
+    JobRow {
+        id,
+        state: JobState::Queued,
+        scene: scene.to_owned(),
+        created: 2,
+        ended: None,
+        record: "{\"é\":[1,2]}".to_owned(),
+        snapshots: Snapshots::default(),
+    }
+}
+
+async fn empty(store: &Store) {
+    for row in store.job_rows().await.expect("rows") {
+        store.delete_job(row.id).await.expect("deleted");
+    }
+    for row in store.scene_rows().await.expect("rows") {
+        store.delete_scene(&row.hash).await.expect("deleted");
+    }
+}
+
+#[tokio::test]
+async fn records_are_there_when_a_store_is_opened_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for location in locations(folder.path()) {
+        let store = Store::open(&location).await.expect("a store");
+        empty(&store).await;
+        let epoch = store.epoch();
+        assert!(matches!(Store::open(&location).await, Err(StoreError::InUse { .. })), "one coordinator at a time");
+        store.insert_scene(&scene("aa")).await.expect("inserted");
+        store.insert_scene(&scene("aa")).await.expect("the same again is nothing new");
+        let first = JobId::after(store.last_job().await.expect("read"), 0);
+        let mut rows: Vec<JobRow> = (0..3).map(|index| job(JobId::new(first.number() + index), "aa")).collect();
+        for row in &rows {
+            store.insert_job(row).await.expect("inserted");
+        }
+        rows[1].state = JobState::Paused;
+        rows[2].state = JobState::Done;
+        rows[2].ended = Some(77);
+        let name = BlobName::of_snapshot(rows[2].id, 5, b"state");
+        rows[2].snapshots = Snapshots { newest: Some(name.clone()), earlier: None, resume: Some(name) };
+        store.update_job(&rows[1]).await.expect("updated");
+        store.update_job(&rows[2]).await.expect("updated");
+        assert!(store.delete_scene("aa").await.is_err(), "a job refers to it");
+        let line =
+            |text: &str| JournalRow { sequence: 0, time: 3, job: Some(first), worker: None, text: text.to_owned() };
+        store.append_journal(&[line("one"), line("two")]).await.expect("appended");
+        store.record_worker("w", 2, 10).await.expect("recorded");
+        store.close().await;
+        drop(store);
+
+        let store = Store::open(&location).await.expect("the same store");
+        assert_eq!(store.epoch(), epoch + 1);
+        assert_eq!(store.job_rows().await.expect("rows"), rows);
+        assert_eq!(store.job_row(first).await.expect("a row"), Some(rows[0].clone()));
+        assert_eq!(store.scene_rows().await.expect("rows"), [scene("aa")]);
+        let lines = store.journal(0, Some(first), 100).await.expect("lines");
+        let texts: Vec<&str> = lines.iter().rev().take(2).map(|row| row.text.as_str()).collect();
+        assert_eq!(texts, ["two", "one"]);
+        assert!(store.journal(lines.last().expect("lines").sequence, None, 100).await.expect("lines").is_empty());
+    }
+}
+
+#[tokio::test]
+async fn ids_of_deleted_jobs_are_not_used_again() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for location in locations(folder.path()) {
+        let store = Store::open(&location).await.expect("a store");
+        empty(&store).await;
+        store.insert_scene(&scene("aa")).await.expect("inserted");
+        let id = JobId::after(store.last_job().await.expect("read"), 1_800_000_000_000);
+        store.insert_job(&job(id, "aa")).await.expect("inserted");
+        store.delete_job(id).await.expect("deleted");
+        store.close().await;
+        drop(store);
+        let store = Store::open(&location).await.expect("the same store");
+        // The clock went back.
+        assert!(JobId::after(store.last_job().await.expect("read"), 0) > id);
+    }
+}
+
+#[tokio::test]
+async fn blobs_are_whole_or_not_there() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for location in locations(folder.path()) {
+        let store = Store::open(&location).await.expect("a store");
+        let blobs = store.blobs();
+        let bytes: Vec<u8> = (0..9_000_000u32).map(|index| (index / 7) as u8).collect();
+        let mut upload = blobs.begin_scene().await.expect("begun");
+        for part in bytes.chunks(70_001) {
+            upload.write(part).await.expect("written");
+        }
+        assert_eq!(upload.bytes(), bytes.len() as u64);
+        let uploaded = upload.finish().await.expect("finished");
+        assert_eq!(uploaded.hash, blake3::hash(&bytes).to_hex().to_string());
+        let name = BlobName::of_scene(&uploaded.hash);
+        assert!(blobs.get(&name).await.expect("there") == bytes);
+
+        let mut torn = blobs.begin_scene().await.expect("begun");
+        torn.write(&bytes[..100]).await.expect("written");
+        torn.abort().await.expect("aborted");
+        let snapshot = BlobName::of_snapshot(JobId::new(3), 17, b"state");
+        blobs.put(&snapshot, b"state".to_vec()).await.expect("put");
+        let names: Vec<BlobName> = blobs.list().await.expect("listed").into_iter().map(|entry| entry.name).collect();
+        assert_eq!(names, [name.clone(), snapshot.clone()], "nothing of the torn upload is left");
+
+        let wrong = BlobName::of_snapshot(JobId::new(3), 18, b"other bytes");
+        blobs.put(&wrong, b"state".to_vec()).await.expect("put");
+        assert!(matches!(blobs.get(&wrong).await, Err(StoreError::Damaged { .. })));
+        for name in [name, snapshot, wrong] {
+            blobs.delete(&name).await.expect("deleted");
+            blobs.delete(&name).await.expect("deleting twice is deleting once");
+        }
+        assert_eq!(blobs.list().await.expect("listed"), []);
+    }
+}
+
+#[tokio::test]
+async fn a_check_finds_what_is_missing_and_a_clean_up_what_is_too_much() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::open(&StoreLocation::folder(folder.path())).await.expect("a store");
+    let mut upload = store.blobs().begin_scene().await.expect("begun");
+    upload.write(b"a scene").await.expect("written");
+    let hash = upload.finish().await.expect("finished").hash;
+    store.insert_scene(&scene(&hash)).await.expect("inserted");
+    let id = JobId::after(None, 1_800_000_000_000);
+    let lost = BlobName::of_snapshot(id, 1, b"lost");
+    let row = JobRow { snapshots: Snapshots { newest: Some(lost), ..Snapshots::default() }, ..job(id, &hash) };
+    store.insert_job(&row).await.expect("inserted");
+    let orphan = BlobName::of_snapshot(id, 9, b"nobody's");
+    store.blobs().put(&orphan, b"nobody's".to_vec()).await.expect("put");
+
+    let report = store.check().await.expect("a report");
+    assert_eq!((report.scenes, report.jobs, report.orphans, report.problems.len()), (1, 1, 1, 1), "{report:?}");
+    let now =
+        std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).expect("after 1970").as_millis() as i64;
+    assert_eq!(store.clean_up(now - HOUR).await.expect("a report").blobs, 0, "it may be about to be named");
+    assert_eq!(store.clean_up(now + HOUR).await.expect("a report").blobs, 1);
+
+    store.update_job(&job(id, &hash)).await.expect("updated");
+    let file = folder.path().join("all.zip");
+    store.export(&file).await.expect("exported");
+    let mut archive = zip::ZipArchive::new(std::fs::File::open(file).expect("a file")).expect("an archive");
+    let names: Vec<String> = archive.file_names().map(|name| name.expect("text").into_owned()).collect();
+    assert!(names.contains(&format!("blobs/scenes/{hash}")) && names.contains(&"jobs.jsonl".to_owned()), "{names:?}");
+    let lines = std::io::read_to_string(archive.by_name("jobs.jsonl").expect("there")).expect("text");
+    assert!(lines.contains(&id.to_string()), "{lines}");
+}
+
+/// A program does not touch what a newer one wrote.
+#[tokio::test]
+async fn a_newer_store_is_refused_unharmed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let location = StoreLocation::folder(folder.path());
+    Store::open(&location).await.expect("a store").close().await;
+    let file = folder.path().join("photonfarm.sqlite");
+    sqlx::any::install_default_drivers();
+    let pool = sqlx::AnyPool::connect(&format!("sqlite://{}", file.display())).await.expect("the same file");
+    sqlx::query("UPDATE meta SET value = 99 WHERE name = 'version'").execute(&pool).await.expect("updated");
+    pool.close().await;
+    let before = std::fs::read(&file).expect("a file");
+    let refused = Store::open(&location).await.err().expect("refused");
+    assert!(matches!(refused, StoreError::Newer { found: 99, .. }), "{refused}");
+    assert!(std::fs::read(&file).expect("a file") == before, "not a byte is changed");
+}
+
+/// One file of every version that was released is kept, and opens.
+#[tokio::test]
+async fn stores_of_earlier_versions_open() {
+    let released = Path::new("tests/stores");
+    let mut versions = 0;
+    for entry in std::fs::read_dir(released).expect("the folder of released versions") {
+        let file = entry.expect("an entry").path();
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::copy(&file, folder.path().join("photonfarm.sqlite")).expect("copied");
+        let store = Store::open(&StoreLocation::folder(folder.path())).await.expect("it opens");
+        assert_eq!(store.job_rows().await.expect("rows").len(), 1, "{}", file.display());
+        versions += 1;
+        assert!(store.version().await.expect("a version") >= versions);
+    }
+    assert!(versions > 0);
+}
+
+#[tokio::test]
+async fn a_folder_that_cannot_be_written_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("file");
+    std::fs::write(&file, "not a folder").expect("written");
+    let refused = Store::open(&StoreLocation::folder(file.join("below"))).await.err().expect("refused");
+    assert!(matches!(refused, StoreError::Open { .. }), "{refused}");
+}
