@@ -7,9 +7,13 @@ RUN --mount=type=cache,target=/usr/local/cargo/registry \
     cargo build --release --locked && cp target/release/photonfarm /photonfarm
 
 FROM debian:trixie-slim
-RUN useradd --system --uid 10001 --no-create-home photonfarm
+# Certificates are for buckets that are reached by TLS.
+RUN apt-get update && apt-get install -y --no-install-recommends ca-certificates && rm -rf /var/lib/apt/lists/*
+RUN useradd --system --uid 10001 --no-create-home photonfarm && install -d -o photonfarm /data
 COPY --from=build /photonfarm /usr/local/bin/photonfarm
 USER photonfarm
+ENV PHOTONFARM_DATA=/data
+VOLUME /data
 EXPOSE 8080
 ENTRYPOINT ["photonfarm"]
 CMD ["serve", "--listen", "0.0.0.0:8080"]

@@ -12,6 +12,9 @@ use photonfarm::farm::store::{BlobName, BlobsLocation, RecordsLocation, Store, S
 
 const HOUR: i64 = 3_600_000;
 
+/// Databases and buckets are shared by the tests of this file.
+static ONE_AT_A_TIME: tokio::sync::Mutex<()> = tokio::sync::Mutex::const_new(());
+
 /// Every kind of store that there is here, empty.
 fn locations(folder: &Path) -> Vec<StoreLocation> {
     let mut locations = vec![StoreLocation::folder(folder)];
@@ -60,6 +63,7 @@ async fn empty(store: &Store) {
 
 #[tokio::test]
 async fn records_are_there_when_a_store_is_opened_again() {
+    let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
     for location in locations(folder.path()) {
         let store = Store::open(&location).await.expect("a store");
@@ -102,6 +106,7 @@ async fn records_are_there_when_a_store_is_opened_again() {
 
 #[tokio::test]
 async fn ids_of_deleted_jobs_are_not_used_again() {
+    let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
     for location in locations(folder.path()) {
         let store = Store::open(&location).await.expect("a store");
@@ -120,6 +125,7 @@ async fn ids_of_deleted_jobs_are_not_used_again() {
 
 #[tokio::test]
 async fn blobs_are_whole_or_not_there() {
+    let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
     for location in locations(folder.path()) {
         let store = Store::open(&location).await.expect("a store");
@@ -227,4 +233,34 @@ async fn a_folder_that_cannot_be_written_is_told() {
     std::fs::write(&file, "not a folder").expect("written");
     let refused = Store::open(&StoreLocation::folder(file.join("below"))).await.err().expect("refused");
     assert!(matches!(refused, StoreError::Open { .. }), "{refused}");
+}
+
+/// A database that restarts costs a retry, no more.
+#[tokio::test]
+async fn a_database_that_restarts_is_waited_for() {
+    let _turn = ONE_AT_A_TIME.lock().await;
+    let environment = |name: &str| std::env::var(name).ok();
+    let (Some(address), Some(restart)) =
+        (environment("PHOTONFARM_TEST_POSTGRES"), environment("PHOTONFARM_TEST_POSTGRES_RESTART"))
+    else {
+        println!("PHOTONFARM_TEST_POSTGRES_RESTART is not set: no restart is tested");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let location =
+        StoreLocation { records: RecordsLocation::Postgres(address), ..StoreLocation::folder(folder.path()) };
+    let store = Store::open(&location).await.expect("a store");
+    store.insert_scene(&scene("bb")).await.expect("inserted");
+    let status = std::process::Command::new("bash").args(["-c", &restart]).stdout(std::process::Stdio::null()).status();
+    assert!(status.expect("bash").success());
+    let id = JobId::after(store.last_job().await.ok().flatten(), 1_900_000_000_000);
+    let mut attempts = 0;
+    while let Err(problem) = store.insert_job(&job(id, "bb")).await {
+        assert!(problem.is_temporary(), "{problem:?}");
+        attempts += 1;
+        assert!(attempts < 10, "it never comes back: {problem}");
+        tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+    }
+    assert!(store.job_row(id).await.expect("a row").is_some());
+    store.delete_job(id).await.expect("deleted");
 }

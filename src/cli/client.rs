@@ -70,7 +70,12 @@ impl Client {
             return Err(CliError::Unreachable(text));
         }
         // Coordinators stand in the same network; a proxy would only be in the way of live events.
-        let http = reqwest::Client::builder().no_proxy().connect_timeout(Duration::from_secs(10)).build();
+        let http = reqwest::Client::builder()
+            .no_proxy()
+            // Plain HTTP: no certificates are looked for, which small systems do not have.
+            .tls_certs_only([])
+            .connect_timeout(Duration::from_secs(10))
+            .build();
         let http = http.map_err(|error| CliError::Failed(format!("cannot start the HTTP client: {error}")))?;
         Ok(Self { http, base })
     }

@@ -63,6 +63,8 @@ impl Client {
         let http = reqwest::Client::builder()
             .connect_timeout(CONNECT_TIMEOUT)
             .no_proxy()
+            // Plain HTTP: no certificates are looked for, which small systems do not have.
+            .tls_certs_only([])
             .tcp_nodelay(true)
             .build()
             .map_err(|problem| WorkerError::Start(problem.to_string()))?;

@@ -1,0 +1,564 @@
+//! The farm's rules and what a coordinator stores, under a deterministic simulator: workers that die, hang, are cut off or return nonsense,
+//! messages that are late, lost, repeated or overtake each other, coordinators that crash and come back, disks that are full, users who
+//! pause and cancel.
+//!
+//! Every schedule follows from its seed. `PHOTONFARM_SIMULATION_SEEDS=100000 cargo test --release --test farm_simulation` runs more of them,
+//! `PHOTONFARM_SIMULATION_SEED=17` that one alone, with a line an event.
+
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::time::Duration;
+
+use photonfarm::estimate::RadiusRule;
+use photonfarm::farm::ids::{JobId, LeaseId, WorkerId};
+use photonfarm::farm::job::{JobState, Priority, StopRule};
+use photonfarm::farm::rules::check::{CheckShare, Digest};
+use photonfarm::farm::rules::lease::{Lease, Work};
+use photonfarm::farm::rules::plan::Plan;
+use photonfarm::farm::rules::terms::{MergedTotals, PauseReason, Restored, Terms};
+use photonfarm::farm::rules::{Answer, Event, Outcome, Rules, RulesOptions};
+
+/// Schedules of a usual run.
+const SEEDS: u64 = 10_000;
+const LEASE: Duration = Duration::from_secs(5);
+/// Faults happen until then, seconds.
+const FAULTS_UNTIL: f64 = 120.0;
+/// Every job ends until then, seconds: long after the last fault.
+const END: f64 = 1500.0;
+
+/// SplitMix64: small, seeded, good enough to choose faults.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    fn below(&mut self, limit: u64) -> u64 {
+        self.next() % limit
+    }
+
+    fn chance(&mut self, percent: u64) -> bool {
+        self.below(100) < percent
+    }
+
+    /// Between 0 and `most` seconds.
+    fn seconds(&mut self, most: f64) -> Duration {
+        Duration::from_secs_f64(most * (self.below(1 << 20) as f64 / f64::from(1 << 20)))
+    }
+}
+
+/// What the disk holds of a job: all that outlives a coordinator.
+#[derive(Clone)]
+struct StoredJob {
+    terms: Terms,
+    state: JobState,
+    pause: Option<PauseReason>,
+    plan: Option<Plan>,
+    merged: u64,
+    checksum: u64,
+}
+
+/// What a coordinator holds of a job in memory.
+#[derive(Clone, Default)]
+struct Merging {
+    plan: Option<Plan>,
+    merged: u64,
+    checksum: u64,
+    waiting: BTreeSet<u64>,
+}
+
+struct Coordinator {
+    rules: Rules,
+    merging: BTreeMap<JobId, Merging>,
+    life: u64,
+}
+
+struct HeldLease {
+    lease: Lease,
+    ready: Duration,
+}
+
+#[derive(Default)]
+struct Worker {
+    id: Option<WorkerId>,
+    held: BTreeMap<LeaseId, HeldLease>,
+    /// Rises when the process is killed: what was meant for the one before is lost.
+    life: u64,
+    is_alive: bool,
+    /// It exists, but neither sends nor receives.
+    cut_off_until: Duration,
+    heartbeat: Duration,
+}
+
+#[derive(Clone, Debug)]
+enum Request {
+    Join,
+    LeaseWanted(WorkerId),
+    Heartbeat(WorkerId, Vec<LeaseId>),
+    Result(Lease, Outcome),
+}
+
+#[derive(Clone, Debug)]
+enum Message {
+    ToCoordinator { worker: usize, life: u64, request: Request },
+    ToWorker { worker: usize, life: u64, lease: Option<LeaseId>, answer: Answer },
+    Wake { worker: usize },
+    Tick { life: u64 },
+    Snapshot { life: u64 },
+    Fault,
+    Restart,
+}
+
+struct World {
+    random: Random,
+    now: Duration,
+    sequence: u64,
+    queue: BinaryHeap<Reverse<(Duration, u64)>>,
+    messages: BTreeMap<u64, Message>,
+    coordinator: Option<Coordinator>,
+    disk: BTreeMap<JobId, StoredJob>,
+    is_full: bool,
+    workers: Vec<Worker>,
+    rule: RadiusRule,
+    next_life: u64,
+    is_traced: bool,
+    faults: BTreeMap<&'static str, u64>,
+}
+
+/// What a shard adds to a job's checksum: as with pictures, the order counts.
+fn fold(checksum: u64, index: u64) -> u64 {
+    checksum.wrapping_mul(0x100_0000_01b3).wrapping_add(index + 1)
+}
+
+fn digest(index: u64) -> Digest {
+    Digest([index as u8; 32])
+}
+
+impl World {
+    fn new(seed: u64, is_traced: bool) -> Self {
+        let mut random = Random(seed);
+        let rule = if random.chance(50) { RadiusRule::Statistics } else { RadiusRule::Schedule };
+        let workers = (0..1 + random.below(6)).map(|_| Worker { is_alive: true, ..Worker::default() }).collect();
+        let mut world = Self {
+            random,
+            now: Duration::ZERO,
+            sequence: 0,
+            queue: BinaryHeap::new(),
+            messages: BTreeMap::new(),
+            coordinator: None,
+            disk: BTreeMap::new(),
+            is_full: false,
+            workers,
+            rule,
+            next_life: 1,
+            is_traced,
+            faults: BTreeMap::new(),
+        };
+        world.start_coordinator();
+        for (index, passes) in [60, 1, 25].into_iter().enumerate() {
+            world.submit(JobId::new(index as u64 + 1), passes);
+        }
+        for worker in 0..world.workers.len() {
+            world.send(0.5, Message::Wake { worker });
+        }
+        world.send(1.0, Message::Fault);
+        world
+    }
+
+    /// Lets a message arrive after up to `most` seconds.
+    fn send(&mut self, most: f64, message: Message) {
+        let time = self.now + self.random.seconds(most) + Duration::from_millis(1);
+        self.sequence += 1;
+        self.queue.push(Reverse((time, self.sequence)));
+        self.messages.insert(self.sequence, message);
+    }
+
+    /// Sends over the network: late, twice, or not at all.
+    fn send_by_network(&mut self, worker: usize, message: Message) {
+        if self.workers[worker].cut_off_until > self.now {
+            return;
+        }
+        let is_bad = self.now.as_secs_f64() < FAULTS_UNTIL;
+        if is_bad && self.random.chance(4) {
+            *self.faults.entry("messages lost").or_default() += 1;
+            return;
+        }
+        if is_bad && self.random.chance(4) {
+            *self.faults.entry("messages repeated").or_default() += 1;
+            self.send(3.0, message.clone());
+        }
+        let late = if is_bad && self.random.chance(5) { 4.0 } else { 0.05 };
+        self.send(late, message);
+    }
+
+    fn submit(&mut self, job: JobId, passes: u32) {
+        let stop = StopRule { passes: Some(passes), seconds: None, error: None };
+        let priority = Priority::try_from(50 + 50 * self.random.below(4) as u16).expect("a priority");
+        let terms = Terms { stop, priority, memory: 30, chooses_method: false, notices: Vec::new() };
+        // It is durable before it is accepted.
+        let stored = StoredJob {
+            terms: terms.clone(),
+            state: JobState::Queued,
+            pause: None,
+            plan: None,
+            merged: 0,
+            checksum: 0,
+        };
+        self.disk.insert(job, stored);
+        if let Some(coordinator) = &mut self.coordinator {
+            coordinator.merging.insert(job, Merging::default());
+        }
+        self.apply(Event::JobAdded { job, terms });
+    }
+
+    fn start_coordinator(&mut self) {
+        let life = self.next_life;
+        self.next_life += 1;
+        let rules = Rules::new(RulesOptions {
+            lease_duration: LEASE,
+            memory_budget: 70,
+            check_share: CheckShare::new(0.2),
+            first_id: life << 40,
+        });
+        self.coordinator = Some(Coordinator { rules, merging: BTreeMap::new(), life });
+        for (job, stored) in self.disk.clone() {
+            if stored.state.is_final() {
+                continue;
+            }
+            let totals = totals(stored.plan.as_ref(), stored.merged);
+            let merging = Merging {
+                plan: stored.plan.clone(),
+                merged: stored.merged,
+                checksum: stored.checksum,
+                ..Merging::default()
+            };
+            if let Some(coordinator) = &mut self.coordinator {
+                coordinator.merging.insert(job, merging);
+            }
+            let restored = Restored { plan: stored.plan.clone(), totals, pause: stored.pause, ..Restored::default() };
+            self.apply(Event::JobRestored { job, terms: stored.terms, restored });
+            if stored.plan.is_some() {
+                self.apply(Event::Merged { job, totals });
+            }
+        }
+        self.send(0.2, Message::Tick { life });
+        self.send(3.0, Message::Snapshot { life });
+    }
+
+    /// Lets an event happen, and does what a coordinator does with its effects.
+    fn apply(&mut self, event: Event) -> Answer {
+        let now = self.now;
+        let Some(coordinator) = &mut self.coordinator else { return Answer::NoWork };
+        let effects = coordinator.rules.apply(now, event);
+        let mut ended = Vec::new();
+        for job in effects.ended {
+            let state = coordinator.rules.job(job).map_or(JobState::Done, |job| job.state);
+            coordinator.rules.apply(now, Event::JobForgotten { job });
+            ended.push((job, coordinator.merging[&job].clone(), state));
+        }
+        for (job, merging, state) in ended {
+            if !self.is_full {
+                self.store(job, &merging, state);
+            }
+        }
+        assert!(effects.rollbacks.is_empty(), "nobody lies here");
+        effects.answer
+    }
+
+    fn store(&mut self, job: JobId, merging: &Merging, state: JobState) {
+        let stored = self.disk.get_mut(&job).expect("it was stored when it was accepted");
+        (stored.plan, stored.merged, stored.checksum) = (merging.plan.clone(), merging.merged, merging.checksum);
+        stored.state = state;
+    }
+
+    /// Stores the states of all jobs, or pauses them when there is no room.
+    fn snapshot(&mut self) {
+        let Some(coordinator) = &self.coordinator else { return };
+        let live: Vec<(JobId, JobState, Option<PauseReason>)> =
+            coordinator.rules.jobs().map(|(id, job)| (id, job.state, job.pause.clone())).collect();
+        let merging = coordinator.merging.clone();
+        for (job, merging) in &merging {
+            let found = live.iter().find(|(id, _, _)| id == job);
+            let state = found.map(|(_, state, _)| *state);
+            let pauses_for_store = matches!(found, Some((_, _, Some(PauseReason::Store { .. }))));
+            match (self.is_full, state) {
+                (true, Some(JobState::Paused) | None) => {}
+                (true, Some(_)) => {
+                    self.apply(Event::JobPaused { job: *job, reason: PauseReason::Store { problem: "full".into() } });
+                }
+                (false, Some(state)) => {
+                    self.store(*job, merging, if state == JobState::Paused { JobState::Queued } else { state });
+                    if pauses_for_store {
+                        self.apply(Event::JobResumed { job: *job });
+                    }
+                }
+                // It ended while the disk was full.
+                (false, None) => self.store(*job, merging, JobState::Done),
+            }
+        }
+    }
+
+    fn step(&mut self) -> bool {
+        let Some(Reverse((time, sequence))) = self.queue.pop() else { return false };
+        self.now = self.now.max(time);
+        let message = self.messages.remove(&sequence).expect("every place has a message");
+        if self.is_traced {
+            println!("{:9.3} {message:?}", self.now.as_secs_f64());
+        }
+        match message {
+            Message::ToCoordinator { worker, life, request } => self.coordinate(worker, life, request),
+            Message::ToWorker { worker, life, lease, answer } => self.answered(worker, life, lease, answer),
+            Message::Wake { worker } => self.wake(worker),
+            Message::Tick { life } if self.is_life(life) => {
+                self.apply(Event::TimePassed);
+                self.send(0.4, Message::Tick { life });
+            }
+            Message::Snapshot { life } if self.is_life(life) => {
+                self.snapshot();
+                self.send(6.0, Message::Snapshot { life });
+            }
+            Message::Tick { .. } | Message::Snapshot { .. } => {}
+            Message::Fault => self.fault(),
+            Message::Restart => self.start_coordinator(),
+        }
+        true
+    }
+
+    fn is_life(&self, life: u64) -> bool {
+        self.coordinator.as_ref().is_some_and(|coordinator| coordinator.life == life)
+    }
+
+    fn fault(&mut self) {
+        if self.now.as_secs_f64() > FAULTS_UNTIL {
+            self.heal();
+            return;
+        }
+        self.send(12.0, Message::Fault);
+        let worker = self.random.below(self.workers.len() as u64) as usize;
+        let name = match self.random.below(6) {
+            0 if self.coordinator.is_some() => {
+                self.coordinator = None;
+                self.send(8.0, Message::Restart);
+                "coordinators crashed"
+            }
+            1 | 2 => {
+                let Worker { life, is_alive, .. } = &self.workers[worker];
+                let (life, is_alive) = (life + 1, !is_alive);
+                self.workers[worker] = Worker { life, is_alive, ..Worker::default() };
+                if is_alive { "workers started" } else { "workers killed" }
+            }
+            3 => {
+                self.workers[worker].cut_off_until = self.now + self.random.seconds(20.0);
+                "workers cut off"
+            }
+            4 => {
+                self.is_full = !self.is_full;
+                if self.is_full { "disks full" } else { "disks with room again" }
+            }
+            _ => {
+                // The coordinator's process is stopped for a while: nothing is heard, not even time.
+                self.now += self.random.seconds(10.0);
+                "coordinators stalled"
+            }
+        };
+        *self.faults.entry(name).or_default() += 1;
+    }
+
+    /// From now on all is well, and every job must end.
+    fn heal(&mut self) {
+        self.is_full = false;
+        for worker in &mut self.workers {
+            if !worker.is_alive {
+                *worker = Worker { life: worker.life + 1, is_alive: true, ..Worker::default() };
+            }
+        }
+        let parked: Vec<JobId> = self
+            .coordinator
+            .iter()
+            .flat_map(|coordinator| coordinator.rules.jobs())
+            .filter(|(_, job)| job.state == JobState::Paused)
+            .map(|(id, _)| id)
+            .collect();
+        for job in parked {
+            self.apply(Event::JobResumed { job });
+        }
+        // Jobs may still be parked by workers that were lost before, and a coordinator may still be down.
+        self.send(30.0, Message::Fault);
+    }
+
+    fn wake(&mut self, worker: usize) {
+        self.send(0.6, Message::Wake { worker });
+        if !self.workers[worker].is_alive {
+            return;
+        }
+        let life = self.workers[worker].life;
+        for request in self.requests(worker) {
+            self.send_by_network(worker, Message::ToCoordinator { worker, life, request });
+        }
+    }
+
+    fn requests(&mut self, worker: usize) -> Vec<Request> {
+        let now = self.now;
+        let Worker { id, held, heartbeat, .. } = &mut self.workers[worker];
+        let Some(id) = *id else { return vec![Request::Join] };
+        let mut requests: Vec<Request> = Vec::new();
+        if *heartbeat <= now {
+            *heartbeat = now + LEASE / 3;
+            requests.push(Request::Heartbeat(id, held.keys().copied().collect()));
+        }
+        if held.len() < 2 {
+            requests.push(Request::LeaseWanted(id));
+        }
+        // Until the coordinator has said yes or no, a result is sent again and again.
+        let ready: Vec<Lease> = held.values().filter(|held| held.ready <= now).map(|held| held.lease).collect();
+        for lease in ready {
+            let outcome = match lease.work {
+                _ if now.as_secs_f64() < FAULTS_UNTIL && self.random.chance(2) => {
+                    Outcome::Refused("nonsense".to_owned())
+                }
+                Work::Shard(index, _) | Work::Check(index, _) => Outcome::Accepted(Some(digest(index))),
+                _ => Outcome::Accepted(None),
+            };
+            requests.push(Request::Result(lease, outcome));
+        }
+        requests
+    }
+
+    fn coordinate(&mut self, worker: usize, life: u64, request: Request) {
+        if self.coordinator.is_none() {
+            return;
+        }
+        let lease = if let Request::Result(lease, _) = &request { Some(lease.id) } else { None };
+        let answer = match request {
+            Request::Join => self.apply(Event::WorkerJoined { name: format!("w{worker}"), threads: 1 }),
+            Request::LeaseWanted(worker) => self.apply(Event::LeaseWanted { worker }),
+            Request::Heartbeat(worker, leases) => self.apply(Event::HeartbeatCame { worker, leases }),
+            Request::Result(lease, outcome) => self.take(&lease, outcome),
+        };
+        self.send_by_network(worker, Message::ToWorker { worker, life, lease, answer });
+    }
+
+    /// As a coordinator takes a result: the rules decide, and what they take is merged in order.
+    fn take(&mut self, lease: &Lease, outcome: Outcome) -> Answer {
+        let Lease { worker, id, fencing, .. } = *lease;
+        let answer = self.apply(Event::ResultCame { worker, lease: id, fencing, outcome });
+        let Answer::Take(taken) = &answer else { return answer };
+        assert_eq!(taken.id, lease.id);
+        let (job, rule) = (taken.job, self.rule);
+        match taken.work {
+            Work::Pilot => {
+                let stop = self.disk[&job].terms.stop;
+                let plan = Plan::new(64, 64, 300_000, stop.passes, rule);
+                let merging = self.merging(job);
+                assert!(merging.plan.is_none(), "two pilots");
+                merging.plan = Some(plan.clone());
+                self.apply(Event::PilotDone { job, plan });
+            }
+            Work::Shard(index, _) => {
+                let merging = self.merging(job);
+                assert!(index >= merging.merged && merging.waiting.insert(index), "shard {index} is taken twice");
+                while merging.waiting.remove(&merging.merged) {
+                    merging.checksum = fold(merging.checksum, merging.merged);
+                    merging.merged += 1;
+                }
+                let totals = totals(merging.plan.as_ref(), merging.merged);
+                self.apply(Event::Merged { job, totals });
+            }
+            other => panic!("{other:?} is not merged"),
+        }
+        answer
+    }
+
+    fn merging(&mut self, job: JobId) -> &mut Merging {
+        self.coordinator.as_mut().expect("it lives").merging.get_mut(&job).expect("a job")
+    }
+
+    fn answered(&mut self, worker: usize, life: u64, lease: Option<LeaseId>, answer: Answer) {
+        let ready = self.now + self.random.seconds(2.0);
+        let to = &mut self.workers[worker];
+        if !to.is_alive || to.life != life || to.cut_off_until > self.now {
+            return;
+        }
+        match answer {
+            Answer::Joined(id) if to.id.is_none() => to.id = Some(id),
+            Answer::Granted(lease) if to.id == Some(lease.worker) => {
+                to.held.insert(lease.id, HeldLease { lease, ready });
+            }
+            Answer::UnknownWorker => (to.id, to.held) = (None, BTreeMap::new()),
+            Answer::Alive { cancelled, .. } => cancelled.iter().for_each(|id| drop(to.held.remove(id))),
+            Answer::Take(_) | Answer::AlreadyMerged | Answer::Fenced | Answer::Recorded | Answer::Compared => {
+                lease.iter().for_each(|id| drop(to.held.remove(id)));
+            }
+            _ => {}
+        }
+    }
+
+    fn all_are_done(&self) -> bool {
+        self.disk.values().all(|job| job.state == JobState::Done)
+    }
+}
+
+fn totals(plan: Option<&Plan>, merged: u64) -> MergedTotals {
+    let passes = plan.map_or(0, |plan| plan.shard(merged).map_or(plan.passes, |next| next.shard.first_pass));
+    MergedTotals { shards: merged, passes, ..MergedTotals::default() }
+}
+
+/// Runs a schedule to its end and checks what must hold; answers the faults that it met.
+fn simulate(seed: u64, is_traced: bool) -> BTreeMap<&'static str, u64> {
+    let mut world = World::new(seed, is_traced);
+    while world.now.as_secs_f64() < END && world.step() {
+        if world.now.as_secs_f64() > FAULTS_UNTIL && world.all_are_done() {
+            break;
+        }
+    }
+    for (job, stored) in &world.disk {
+        assert_eq!(
+            stored.state,
+            JobState::Done,
+            "seed {seed}: job {job} did not end: {:?}",
+            world.coordinator.as_ref().map(|c| c.rules.job(*job))
+        );
+        let plan = stored.plan.as_ref().expect("its pilot was done");
+        assert_eq!(stored.merged, plan.shard_count(), "seed {seed}: job {job} lacks shards");
+        let expected = (0..plan.shard_count()).fold(0, fold);
+        assert_eq!(stored.checksum, expected, "seed {seed}: job {job} was merged in another order or twice");
+    }
+    world.faults
+}
+
+#[test]
+fn no_schedule_of_faults_loses_or_repeats_a_shard() {
+    if let Ok(seed) = std::env::var("PHOTONFARM_SIMULATION_SEED") {
+        simulate(seed.parse().expect("a number"), true);
+        return;
+    }
+    let seeds = std::env::var("PHOTONFARM_SIMULATION_SEEDS").map_or(SEEDS, |seeds| seeds.parse().expect("a number"));
+    let threads = std::thread::available_parallelism().map_or(1, |count| count.get() as u64);
+    let mut faults: BTreeMap<&'static str, u64> = BTreeMap::new();
+    std::thread::scope(|scope| {
+        let run = |first: u64| {
+            move || {
+                let mut faults: BTreeMap<&'static str, u64> = BTreeMap::new();
+                for seed in (first..seeds).step_by(threads as usize) {
+                    for (fault, count) in simulate(seed, false) {
+                        *faults.entry(fault).or_default() += count;
+                    }
+                }
+                faults
+            }
+        };
+        let running: Vec<_> = (0..threads).map(|first| scope.spawn(run(first))).collect();
+        for thread in running {
+            for (fault, count) in thread.join().expect("every schedule holds") {
+                *faults.entry(fault).or_default() += count;
+            }
+        }
+    });
+    println!("{seeds} schedules, faults: {faults:?}");
+    assert!(faults.values().all(|count| *count > seeds / 20), "{faults:?}");
+}
