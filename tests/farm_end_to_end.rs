@@ -5,8 +5,9 @@ use std::net::SocketAddr;
 use std::time::Duration;
 
 use axum::Router;
+use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::picture_files::LAYERS;
-use photonfarm::estimate::{Shard, Tally};
+use photonfarm::estimate::{Declaration, RadiusRule, Shard, Tally};
 use photonfarm::farm::job::{JobRequest, JobState, JobStatus, StopRule};
 use photonfarm::farm::wire::BUILD;
 use photonfarm::farm::wire::lease::decode_lease;
@@ -294,9 +295,10 @@ async fn a_hostile_worker_disturbs_nobody() {
     worker.await.expect("no panic").expect("a clean end");
 
     let lease = hand.lease().await;
-    let mut tally = Tally::zero(shard(&lease).expect("a shard"), 40);
-    tally.photons_emitted = 1;
-    tally.pixels[5].flux[1] = f32::NAN;
+    let declaration = Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0));
+    let mut tally = Tally::zero(shard(&lease).expect("a shard"), 40, &declaration);
+    tally.set_scalar(PHOTONS_EMITTED, 1.0);
+    tally.plane_mut("flux").expect("declared")[5] = f32::NAN;
     let wrong = Some(Outcome::Tally(encode_tally(&tally)));
     let other = messages::Lease { fencing: lease.fencing + 1, ..lease.clone() };
     assert_eq!(hand.deliver(&other, wrong.clone()).await, 409, "another fencing number");

@@ -3,20 +3,19 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use axum::body::Bytes;
 use prost::Message;
 
 use super::job::StopRule;
 use super::rules::plan::Plan;
 use super::rules::progress::{MeasuredError, MergedTotals};
 use super::wire::{messages, radius, result};
-use crate::estimate::{Estimate, RadiusField, RadiusRule, Tally};
+use crate::estimate::{Declaration, Estimate, EstimateError, RadiusField, Tally};
 use crate::render::Pilot;
 
 /// A radius field, as it is merged with and as it travels.
 struct Field {
     field: RadiusField,
-    message: Bytes,
+    message: Arc<[u8]>,
 }
 
 /// The merge state of a job whose pilot is done.
@@ -42,10 +41,16 @@ pub struct Merging {
 const LOOK_SHARE: u64 = 8;
 
 impl Merging {
-    /// Starts from the pilot's radii.
-    pub fn new(width: u32, height: u32, pilot: &Pilot, stop: &StopRule, rule: RadiusRule, alpha: f64) -> Self {
-        let plan = Plan::new(width, height, pilot.cost_per_pass, stop.passes, rule);
-        let estimate = Estimate::new(width, height, &plan.regions, &pilot.radius_squared, rule, alpha);
+    /// Starts from what the pilot found.
+    pub fn new(
+        width: u32,
+        height: u32,
+        pilot: &Pilot,
+        stop: &StopRule,
+        declaration: Arc<Declaration>,
+    ) -> Result<Self, EstimateError> {
+        let plan = Plan::new(width, height, pilot.cost_per_pass(), stop.passes, declaration.radius_rule);
+        let estimate = Estimate::new(width, height, &plan.regions, declaration, pilot.radius_squared())?;
         let mut merging = Self {
             plan,
             estimate,
@@ -57,7 +62,7 @@ impl Merging {
             next_look: 2,
         };
         merging.take_fields(0);
-        merging
+        Ok(merging)
     }
 
     /// Takes the tally of shard `index`, then merges all that is in turn. `message` is the same tally as it came.
@@ -74,7 +79,9 @@ impl Merging {
             && let Some(message) = self.waiting.remove(&self.merged)
         {
             let planned = self.plan.shard(self.merged).ok_or("a shard past the end of the job")?;
-            let tally = result::decode_tally(&message, planned.shard, self.plan.width).map_err(|e| e.to_string())?;
+            let declaration = self.estimate.declaration();
+            let tally = result::decode_tally(&message, planned.shard, self.plan.width, declaration);
+            let tally = tally.map_err(|problem| problem.to_string())?;
             self.merge(&tally)?;
         }
         Ok(())
@@ -128,7 +135,7 @@ impl Merging {
     }
 
     /// A radius field as it travels; `None` when it is not known yet or not needed any more.
-    pub fn field_message(&self, field_epoch: u32, region: u32) -> Option<Bytes> {
+    pub fn field_message(&self, field_epoch: u32, region: u32) -> Option<Arc<[u8]>> {
         self.fields.get(&(field_epoch, region)).map(|field| field.message.clone())
     }
 
@@ -138,7 +145,7 @@ impl Merging {
             shards: self.merged,
             passes: self.estimate.passes(),
             photons_emitted: self.estimate.photons_emitted(),
-            non_finite: self.estimate.non_finite,
+            non_finite: self.estimate.non_finite(),
             error: self.error,
             good_enough: self.is_good_enough(),
         }

@@ -53,8 +53,8 @@ impl Job {
     pub(crate) fn begin(&self) -> Estimate {
         let pilot = self.renderer.pilot(&self.never).expect("nobody cancels");
         let (width, height) = (self.scene.width, self.scene.height);
-        let (rule, alpha) = (self.method.radius_rule, self.method.alpha);
-        Estimate::new(width, height, &[self.region()], &pilot.radius_squared, rule, alpha)
+        let declaration = self.renderer.declaration().clone();
+        Estimate::new(width, height, &[self.region()], declaration, pilot.radius_squared()).expect("the pilot fits")
     }
 
     /// Traces `passes` passes and merges them. The passes of an epoch are shards of one pass with the same radius field.

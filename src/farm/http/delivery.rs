@@ -11,6 +11,7 @@ use crate::farm::rules::schedule::{Outcome, ResultAnswer};
 use crate::farm::wire::messages::result_request::Outcome as Delivered;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
 use crate::farm::wire::{WireError, result};
+use crate::method;
 use crate::render::Pilot;
 
 /// A result that fits its work.
@@ -43,12 +44,15 @@ pub(super) fn deliver(shared: &Shared, request: ResultRequest) -> Result<ResultR
 
 fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Delivered>) -> Result<Payload, WireError> {
     let (width, height) = (job.description.width, job.description.height);
+    let declaration = method::declaration(&job.description.method)
+        .map_err(|problem| WireError::Impossible { field: "method", problem: problem.to_string() })?;
     match (lease.work, outcome.ok_or(WireError::Missing("outcome"))?) {
         (Work::Pilot, Delivered::Pilot(message)) => {
-            Ok(Payload::Pilot(result::decode_pilot(&message, width as usize * height as usize)?))
+            Ok(Payload::Pilot(result::decode_pilot(&message, width as usize * height as usize, &declaration)?))
         }
         (Work::Shard(_, planned), Delivered::Tally(message)) => {
-            Ok(Payload::Tally(result::decode_checked_tally(&message, planned.shard, width)?, message))
+            let tally = result::decode_checked_tally(&message, planned.shard, width, &declaration)?;
+            Ok(Payload::Tally(tally, message))
         }
         _ => Err(WireError::Impossible { field: "outcome", problem: "it is of another kind than the lease".into() }),
     }
@@ -65,10 +69,7 @@ fn take(
     let decided = decide();
     let ResultAnswer::Take(lease) = decided else { return answer(decided) };
     let merged = match (payload, merging.as_mut(), lease.work) {
-        (Payload::Pilot(pilot), _, _) => {
-            *merging = Some(begin(shared, job, &pilot));
-            Ok(())
-        }
+        (Payload::Pilot(pilot), _, _) => begin(shared, job, &pilot).map(|begun| *merging = Some(begun)),
         (Payload::Tally(tally, message), Some(merging), Work::Shard(index, _)) => {
             let merged = merging.add(index, &tally, message);
             let totals = merging.totals();
@@ -78,20 +79,20 @@ fn take(
         _ => Err("a tally came before the pilot".to_owned()),
     };
     if let Err(problem) = merged {
-        tracing::error!(job = job.description.id, problem, "a tally cannot be merged");
+        tracing::error!(job = job.description.id, problem, "a result cannot be merged");
         shared.change(|schedule, now| schedule.fail(now, job.number, &problem));
     }
     Ok(ResultResponse { already_merged: false })
 }
 
-fn begin(shared: &Shared, job: &JobRecord, pilot: &Pilot) -> Merging {
-    let method = &job.description.method;
+fn begin(shared: &Shared, job: &JobRecord, pilot: &Pilot) -> Result<Merging, String> {
+    let declaration = method::declaration(&job.description.method).map_err(|problem| problem.to_string())?;
     let (width, height) = (job.description.width, job.description.height);
-    let merging = Merging::new(width, height, pilot, &job.stop, method.radius_rule, method.alpha);
+    let merging = Merging::new(width, height, pilot, &job.stop, declaration).map_err(|problem| problem.to_string())?;
     let plan = merging.plan.clone();
-    tracing::info!(job = job.description.id, cost_per_pass = pilot.cost_per_pass, ?plan, "pilot done");
+    tracing::info!(job = job.description.id, cost_per_pass = pilot.cost_per_pass(), ?plan, "pilot done");
     shared.change(|schedule, now| schedule.pilot_done(now, job.number, plan));
-    merging
+    Ok(merging)
 }
 
 fn answer(answer: ResultAnswer) -> Result<ResultResponse, Problem> {

@@ -110,13 +110,17 @@ impl Cache {
         Ok(scene)
     }
 
-    /// The radius field with which `planned` is traced.
+    /// The radius field with which `planned` is traced. Methods that gather nothing need none, and none is fetched.
     pub(super) async fn field(
         &self,
         client: &Client,
         job: &JobDescription,
         planned: &PlannedShard,
     ) -> Result<Arc<RadiusField>, PrepareError> {
+        let unusable = |problem: crate::method::MethodError| PrepareError::Unusable(problem.to_string());
+        if !crate::method::declaration(&job.method).map_err(unusable)?.has_radii() {
+            return Ok(Arc::new(RadiusField::none()));
+        }
         let key = (job.id.clone(), planned.field_epoch, planned.region);
         if let Some(field) = lock(&self.fields).get(&key) {
             return Ok(field);
