@@ -168,7 +168,7 @@ fn check_reference(name: &str, bias_bound: f64, methods: &[(&str, f64)]) {
         let estimate = Job::new(&scene, method, "{}").run(16, 8);
         let found = compare(&estimate.picture(), &reference, None).expect("the sizes agree");
         println!("{name} {method}: mean {:+.4}, relMSE {:.4}", found.bias, found.relmse);
-        assert_eq!(estimate.non_finite, 0);
+        assert_eq!(estimate.non_finite(), 0);
         assert!(found.bias.abs() < bias_bound, "{name} by {method}: mean off by {:.2} %", 100.0 * found.bias);
         assert!(found.relmse < *relmse_bound, "{name} by {method}: relMSE {}", found.relmse);
     }

@@ -211,7 +211,7 @@ fn check_reference(name: &str, parameters: &str, passes: u32, bias_bound: f64, r
     let scene = reference_scene(name);
     let estimate = Job::new(&scene, "photon_map", parameters).run(passes, 8);
     let found = metrics(name, &scene, &estimate);
-    assert_eq!(estimate.non_finite, 0);
+    assert_eq!(estimate.non_finite(), 0);
     assert!(found.bias.abs() < bias_bound, "{name}: mean off by {:.2} %", 100.0 * found.bias);
     assert!(found.relmse < relmse_bound, "{name}: relMSE {}", found.relmse);
 }

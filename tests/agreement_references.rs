@@ -26,7 +26,7 @@ fn check_reference(name: &str, bias_bound: f64, relmse_bounds: [f64; 2]) {
     for (method, relmse_bound) in ["sppm", "ppm"].into_iter().zip(relmse_bounds) {
         let estimate = Job::new(&scene, method, r#"{"photons_per_pass": 32768}"#).run(PASSES, 8);
         let found = metrics(name, &estimate);
-        assert_eq!(estimate.non_finite, 0);
+        assert_eq!(estimate.non_finite(), 0);
         assert!(found.bias.abs() < bias_bound, "{name} by {method}: mean off by {:.2} %", 100.0 * found.bias);
         assert!(found.relmse < relmse_bound, "{name} by {method}: relMSE {}", found.relmse);
     }

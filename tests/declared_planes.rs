@@ -37,6 +37,7 @@ fn methods_store_only_what_they_declare() {
         assert_eq!(estimate.bytes_per_pixel(), bytes, "{method} {parameters}");
         assert_eq!(estimate.declaration().planes.len(), planes, "{method} {parameters}");
         let radii = estimate.radius_field(job.region()).radius_squared.len();
+        assert_eq!(job.method.choice.name, method);
         assert_eq!(radii > 0, estimate.declaration().has_radii(), "{method} {parameters}");
     }
 }

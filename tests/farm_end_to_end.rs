@@ -2,6 +2,7 @@
 //! whatever goes wrong, a job's picture has the same bits.
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;

@@ -105,7 +105,7 @@ fn merge_law_single_passes_are_the_textbook_update() {
         }
     }
     let picture = estimate.picture();
-    for (index, (pixel, twin)) in estimate.pixels().iter().zip(&twins).enumerate() {
+    for (index, (pixel, twin)) in estimate.pixels().into_iter().zip(&twins).enumerate() {
         close(pixel.radius_squared, twin.radius_squared, 1e-9, "R²");
         close(pixel.photons, twin.photons, 1e-9, "N");
         let sums = estimate.sums(index, &BOTH);
@@ -159,7 +159,7 @@ fn merge_law_cuts_into_shards_do_not_matter_for_equal_passes() {
     let whole = merged_in_shards(&tallies, &[24], RadiusRule::Statistics);
     for cut in CUTS {
         let estimate = merged_in_shards(&tallies, cut, RadiusRule::Statistics);
-        for (pixel, expected) in estimate.pixels().iter().zip(whole.pixels()) {
+        for (pixel, expected) in estimate.pixels().into_iter().zip(whole.pixels()) {
             close(pixel.radius_squared, expected.radius_squared, 1e-6, "R²");
             close(pixel.photons, expected.photons, 1e-6, "N");
         }
@@ -201,7 +201,7 @@ fn merge_law_cuts_into_shards_hardly_change_the_radius() {
     let whole = merged_in_shards(&tallies, &[24], RadiusRule::Statistics);
     for cut in CUTS {
         let estimate = merged_in_shards(&tallies, cut, RadiusRule::Statistics);
-        let pairs = estimate.pixels().iter().zip(whole.pixels());
+        let pairs = estimate.pixels().into_iter().zip(whole.pixels());
         let ratios: Vec<f64> = pairs.map(|(pixel, expected)| pixel.radius_squared / expected.radius_squared).collect();
         let worst = ratios.iter().map(|ratio| (ratio - 1.0).abs()).fold(0.0, f64::max);
         let (mean, _) = mean_and_error(&ratios);
@@ -316,7 +316,7 @@ fn toy(epoch: u32, photons: f64, pixels: u32) -> (Vec<f64>, Vec<f64>) {
             estimate.merge(&tally, &field).expect("the tally fits");
         }
     }
-    let radii = estimate.pixels().iter().map(|pixel| pixel.radius_squared).collect();
+    let radii = estimate.pixels().into_iter().map(|pixel| pixel.radius_squared).collect();
     (radii, estimate.picture().radiance.iter().map(|pixel| f64::from(pixel[0])).collect())
 }
 
