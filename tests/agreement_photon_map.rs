@@ -293,7 +293,7 @@ fn agreement_photon_map_of_threads_and_regions() {
     let pixels = 32 * scene.width as usize..64 * scene.width as usize;
     assert!(bits(&whole.pixels()[pixels]) == bits(&trace(band, 2).pixels()), "regions change the picture");
     let radiance_only = |pixel: &PixelTally| pixel.flux == [0.0; 3] && pixel.photons == 0.0;
-    assert!(whole.pixels.iter().all(radiance_only));
+    assert!(whole.pixels().iter().all(radiance_only));
 }
 
 #[test]

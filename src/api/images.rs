@@ -11,9 +11,10 @@ use super::ApiState;
 use super::extract::{PathValue, QueryValues};
 use super::problem::Problem;
 use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_png};
-use crate::evaluation::chart::{draw_job, to_svg};
+use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
+use crate::farm::rules::progress::ErrorAtTime;
 
 /// How the PNG is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
@@ -130,10 +131,14 @@ pub async fn chart_svg(
     if let Some(unchanged) = unchanged(&status, "svg", &headers) {
         return Ok(unchanged);
     }
-    let history = state.coordinator.error_history(&id)?;
+    let history: Vec<JobPoint> = state.coordinator.error_history(&id)?.into_iter().map(chart_point).collect();
     let (tag, title) = (etag(&status, "svg"), format!("{id}: {}", status.method));
     let svg = encode(move || to_svg(&draw_job(&title, &history, status.stop.error))).await?;
     Ok(image("image/svg+xml", &tag, svg.into_bytes()))
+}
+
+fn chart_point(point: ErrorAtTime) -> JobPoint {
+    JobPoint { seconds: point.seconds, passes: point.measured.passes, error: point.measured.error }
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]

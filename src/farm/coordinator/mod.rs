@@ -21,7 +21,7 @@ use crate::farm::merging::Merging;
 use layers::SeenFirst;
 
 use crate::estimate::Picture;
-use crate::evaluation::chart::JobPoint;
+use crate::farm::rules::progress::ErrorAtTime;
 use crate::farm::rules::schedule::Schedule;
 use crate::farm::wire::lease::JobDescription;
 use crate::method::SceneTraits;
@@ -180,7 +180,7 @@ impl CoordinatorHandle {
     }
 
     /// A job's error as it was estimated from time to time.
-    pub fn error_history(&self, id: &str) -> Result<Vec<JobPoint>, FarmError> {
+    pub fn error_history(&self, id: &str) -> Result<Vec<ErrorAtTime>, FarmError> {
         let job = self.shared.job(id)?;
         let state = self.shared.lock();
         Ok(state.schedule.job(job.number).map(|progress| progress.history.clone()).unwrap_or_default())

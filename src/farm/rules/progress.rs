@@ -6,7 +6,6 @@ use std::time::Duration;
 use super::lease::{Work, WorkIndex};
 use super::plan::Plan;
 use crate::estimate::ErrorEstimate;
-use crate::evaluation::chart::JobPoint;
 use crate::farm::job::{JobState, StopRule};
 
 /// Leases of the same work that may end with a worker's error message before the job fails.
@@ -19,6 +18,15 @@ pub struct MeasuredError {
     pub passes: u32,
     /// What they tell.
     pub error: ErrorEstimate,
+}
+
+/// A job's error at some time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ErrorAtTime {
+    /// Wall-clock seconds since the first lease.
+    pub seconds: f64,
+    /// The error, and the passes merged then.
+    pub measured: MeasuredError,
 }
 
 /// What the merged shards add up to.
@@ -54,7 +62,7 @@ pub struct JobProgress {
     /// What is merged.
     pub totals: MergedTotals,
     /// The error as it was estimated from time to time.
-    pub history: Vec<JobPoint>,
+    pub history: Vec<ErrorAtTime>,
     /// When the first lease was given.
     pub first_lease: Option<Duration>,
     /// When the pilot was done.
@@ -183,8 +191,8 @@ impl JobProgress {
 
     /// Shards were merged.
     pub fn merged(&mut self, totals: MergedTotals, now: Duration) {
-        if let Some(MeasuredError { passes, error }) = totals.error.filter(|_| totals.error != self.totals.error) {
-            self.history.push(JobPoint { seconds: self.seconds(now), passes, error });
+        if let Some(measured) = totals.error.filter(|_| totals.error != self.totals.error) {
+            self.history.push(ErrorAtTime { seconds: self.seconds(now), measured });
         }
         self.totals = totals;
         self.arrived = self.arrived.split_off(&totals.shards);
