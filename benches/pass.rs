@@ -6,7 +6,9 @@ use std::sync::atomic::AtomicBool;
 
 use divan::counter::{BytesCount, ItemsCount};
 use divan::{Bencher, black_box};
-use photonfarm::estimate::{Estimate, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
+use photonfarm::estimate::declaration::PHOTONS_EMITTED;
+use photonfarm::estimate::{Declaration, Estimate, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
+use photonfarm::farm::wire::planes;
 use photonfarm::math::Vec3;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::method::{self, MethodChoice};
@@ -36,8 +38,10 @@ fn pass_of_512_by_512_pixels(bencher: Bencher<'_, '_>, method: &str) {
     let renderer = Renderer::new(scene.clone(), &checked, 0).expect("defaults");
     let go_on = AtomicBool::new(false);
     let region = Region { row_start: 0, row_end: scene.height };
-    let first = renderer.pilot(&go_on).expect("not cancelled").radius_squared;
-    let estimate = Estimate::new(scene.width, scene.height, &[region], &first, checked.radius_rule, checked.alpha);
+    let pilot = renderer.pilot(&go_on).expect("not cancelled");
+    let declaration = renderer.declaration().clone();
+    let estimate = Estimate::new(scene.width, scene.height, &[region], declaration, pilot.radius_squared());
+    let estimate = estimate.expect("the pilot fits");
     let field = estimate.radius_field(region);
     bencher.bench_local(|| {
         let shard = Shard { first_pass: black_box(8), passes: 1, region };
@@ -100,14 +104,26 @@ fn merge_a_1920_by_1080_tally(bencher: Bencher<'_, '_>) {
     let region = Region { row_start: 0, row_end: height };
     let pixels = (width * height) as usize;
     let first = vec![1e-4f32; pixels];
-    let estimate = Estimate::new(width, height, &[region], &first, RadiusRule::Statistics, 2.0 / 3.0);
-    let mut tally = Tally::zero(Shard { first_pass: 0, passes: 8, region }, width);
-    tally.pixels.fill(PixelTally { radiance: [1.0; 3], flux: [2.0; 3], photons: 30.0, inner_flux: 1.0 });
-    tally.photons_emitted = 1;
+    let declaration = Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0));
+    let estimate = Estimate::new(width, height, &[region], declaration.clone(), &first).expect("one radius per pixel");
+    let found = vec![PixelTally { radiance: [1.0; 3], flux: [2.0; 3], photons: 30.0, inner_flux: 1.0 }; pixels];
+    let shard = Shard { first_pass: 0, passes: 8, region };
+    let mut tally = Tally::from_pixels(shard, width, &declaration, &found);
+    tally.set_scalar(PHOTONS_EMITTED, 1.0);
     let field = RadiusField { radius_squared: first, base_pass: 0, typical_radius_squared: 1e-4 };
     let bytes = pixels * size_of::<PixelTally>();
     bencher
         .counter(BytesCount::new(bytes))
         .with_inputs(|| estimate.clone())
         .bench_local_refs(|estimate| estimate.merge(&tally, &field).expect("fits"));
+}
+
+#[divan::bench(sample_count = 20, sample_size = 1)]
+fn decode_a_1920_by_1080_plane(bencher: Bencher<'_, '_>) {
+    let values: Vec<f32> =
+        (0..1920 * 1080).map(|pixel| PathRandom::new(3, Stream::Camera, 0, pixel).block(0)[0]).collect();
+    let bytes = planes::compress(&values);
+    bencher
+        .counter(BytesCount::of_slice(&values))
+        .bench_local(|| planes::decompress(black_box(&bytes), values.len()).expect("just compressed"));
 }

@@ -8,7 +8,7 @@
 //! | [`math`] | vectors, frames, colour, distributions, random numbers, statistics | nothing |
 //! | [`scene`] | description, check, prepare; geometry, materials, lights, cameras | math |
 //! | [`transport`] | camera and photon walks, direct light, photon map, density estimates | math, scene |
-//! | [`estimate`] | tally, merge rules, radius schedules, picture | math |
+//! | [`estimate`] | declarations, tally, merge rules, radius schedules, snapshots, picture | math |
 //! | [`method`] | one file per method and one table | the above |
 //! | [`render`] | passes on this machine's threads, cancellation | method and below |
 //! | [`evaluation`] | error metrics, error over time, charts, the choice of a method | render and below |

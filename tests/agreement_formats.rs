@@ -273,7 +273,7 @@ fn with_small_film(mut description: SceneDescription) -> SceneDescription {
 fn picture(description: &SceneDescription) -> Vec<u32> {
     let scene = Arc::new(Scene::prepare(description).unwrap_or_else(|error| panic!("{error}")));
     let estimate = Job::new(&scene, "sppm", r#"{"photons_per_pass": 8192}"#).run(2, 1);
-    assert_eq!(estimate.non_finite, 0);
+    assert_eq!(estimate.non_finite(), 0);
     let picture = estimate.picture();
     let lit = picture.radiance.iter().filter(|radiance| **radiance != [0.0; 3]).count();
     assert!(2 * lit > picture.radiance.len(), "most of the picture is black");

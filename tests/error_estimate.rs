@@ -1,6 +1,9 @@
 //! A job's own error estimate against errors that are known because they were put in.
 
-use photonfarm::estimate::{Estimate, RadiusRule, Region, Shard, Tally};
+use std::sync::Arc;
+
+use photonfarm::estimate::declaration::PHOTONS_EMITTED;
+use photonfarm::estimate::{Declaration, Estimate, PixelTally, RadiusRule, Region, Shard, Tally};
 use photonfarm::math::random::{PathRandom, Stream};
 
 const SIZE: u32 = 64;
@@ -17,19 +20,22 @@ struct Sample {
 /// An estimate of `passes` passes, each of invented samples.
 fn invented(passes: u32, sample: impl Fn(u32, u32) -> Sample) -> Estimate {
     let pixels = SIZE * SIZE;
-    let mut estimate =
-        Estimate::new(SIZE, SIZE, &[REGION], &vec![1.0; pixels as usize], RadiusRule::Schedule, 2.0 / 3.0);
+    let declaration = Arc::new(Declaration::gathering(RadiusRule::Schedule, 2.0 / 3.0));
+    let mut estimate = Estimate::new(SIZE, SIZE, &[REGION], declaration.clone(), &vec![1.0; pixels as usize])
+        .expect("one radius per pixel");
     for first_pass in 0..passes {
         let field = estimate.radius_field(REGION);
-        let mut tally = Tally::zero(Shard { first_pass, passes: 1, region: REGION }, SIZE);
-        tally.photons_emitted = PHOTONS;
+        let mut found = vec![PixelTally::default(); pixels as usize];
         let per_photon = std::f32::consts::PI * PHOTONS as f32;
-        for (pixel, index) in tally.pixels.iter_mut().zip(0..) {
+        for (pixel, index) in found.iter_mut().zip(0..) {
             let Sample { radiance, density, inner } = sample(first_pass, index);
             pixel.radiance = [radiance; 3];
             pixel.flux = [density * per_photon; 3];
             pixel.inner_flux = inner * per_photon;
         }
+        let shard = Shard { first_pass, passes: 1, region: REGION };
+        let mut tally = Tally::from_pixels(shard, SIZE, &declaration, &found);
+        tally.set_scalar(PHOTONS_EMITTED, PHOTONS as f64);
         estimate.merge(&tally, &field).expect("the tally fits");
     }
     estimate

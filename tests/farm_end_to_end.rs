@@ -9,8 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use fault_proxy::FaultProxy;
+use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::picture_files::LAYERS;
-use photonfarm::estimate::{Shard, Tally};
+use photonfarm::estimate::{Declaration, RadiusRule, Shard, Tally};
 use photonfarm::farm::ids::JobId;
 use photonfarm::farm::job::{JobRequest, JobState, JobStatus, StopRule};
 use photonfarm::farm::prepared_scenes::PreparedScenes;
@@ -305,9 +306,10 @@ async fn a_hostile_worker_disturbs_nobody() {
     worker.await.expect("no panic").expect("a clean end");
 
     let lease = hand.lease().await;
-    let mut tally = Tally::zero(shard(&lease).expect("a shard"), 40);
-    tally.photons_emitted = 1;
-    tally.pixels[5].flux[1] = f32::NAN;
+    let declaration = Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0));
+    let mut tally = Tally::zero(shard(&lease).expect("a shard"), 40, &declaration);
+    tally.set_scalar(PHOTONS_EMITTED, 1.0);
+    tally.plane_mut("flux").expect("declared")[5] = f32::NAN;
     let wrong = Some(Outcome::Tally(encode_tally(&tally)));
     let other = messages::Lease { fencing: lease.fencing + 1, ..lease.clone() };
     assert_eq!(hand.deliver(&other, wrong.clone()).await, 409, "another fencing number");

@@ -25,7 +25,7 @@ fn check_furnace(name: &str, radius: &str, photons: u32, block_bound: f64) {
         let estimate = Job::new(&scene, method, &parameters).run(PASSES, 8);
         let metrics = compare(&estimate.picture(), &white, None).expect("the sizes agree");
         println!("{name} {method} {rule}: mean {:+.5}, blocks {:.4}", metrics.bias, metrics.block_bias_max);
-        assert_eq!(estimate.non_finite, 0);
+        assert_eq!(estimate.non_finite(), 0);
         for bias in metrics.bias_rgb {
             assert!(bias.abs() < MEAN_BOUND, "{name} by {method} ({rule}): mean off by {:.3} %", 100.0 * bias);
         }

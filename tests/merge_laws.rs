@@ -3,8 +3,13 @@
 #[path = "support/progressive.rs"]
 mod progressive;
 
+use std::sync::Arc;
+
+use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::radius::shrinkage;
-use photonfarm::estimate::{Estimate, MergeError, RadiusField, RadiusRule, Region, Shard, Tally, TallyError, Twin};
+use photonfarm::estimate::{
+    Declaration, Estimate, MergeError, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally, TallyError, Twin,
+};
 use photonfarm::math::random::{PathRandom, Stream};
 use progressive::{Job, reference_scene};
 
@@ -20,9 +25,21 @@ fn shard(first_pass: u32, passes: u32, rows: u32) -> Shard {
     Shard { first_pass, passes, region: region(rows) }
 }
 
+/// What gathering methods declare.
+fn declaration(rule: RadiusRule) -> Arc<Declaration> {
+    Arc::new(Declaration::gathering(rule, ALPHA))
+}
+
+/// A tally of one pass of invented pixels.
+fn tally_of(first_pass: u32, rule: RadiusRule, pixels: &[PixelTally], emitted: u64) -> Tally {
+    let mut tally = Tally::from_pixels(shard(first_pass, 1, pixels.len() as u32), 1, &declaration(rule), pixels);
+    tally.set_scalar(PHOTONS_EMITTED, emitted as f64);
+    tally
+}
+
 /// An estimate of one column of `rows` pixels with radius 1.
 fn column(rows: u32, rule: RadiusRule) -> Estimate {
-    Estimate::new(1, rows, &[region(rows)], &vec![1.0; rows as usize], rule, ALPHA)
+    Estimate::new(1, rows, &[region(rows)], declaration(rule), &vec![1.0; rows as usize]).expect("one radius per pixel")
 }
 
 fn uniform(pass: u32, pixel: u32, block: u32) -> [f32; 4] {
@@ -31,16 +48,19 @@ fn uniform(pass: u32, pixel: u32, block: u32) -> [f32; 4] {
 
 /// A tally of one pass with invented sums.
 fn invented(first_pass: u32, rows: u32) -> Tally {
-    let mut tally = Tally::zero(shard(first_pass, 1, rows), 1);
-    tally.photons_emitted = PHOTONS;
-    for (index, pixel) in tally.pixels.iter_mut().enumerate() {
+    invented_under(RadiusRule::Statistics, first_pass, rows)
+}
+
+fn invented_under(rule: RadiusRule, first_pass: u32, rows: u32) -> Tally {
+    let mut pixels = vec![PixelTally::default(); rows as usize];
+    for (index, pixel) in pixels.iter_mut().enumerate() {
         let [a, b, c, d] = uniform(first_pass, index as u32, 0);
         // Every third pixel finds nothing now and then.
         let found = if (index as u32 + first_pass).is_multiple_of(3) { 0.0 } else { (a * 40.0).floor() };
         (pixel.photons, pixel.flux, pixel.radiance) = (found, [found * b, found * c, found], [d, 0.0, a]);
         pixel.inner_flux = found * a * b;
     }
-    tally
+    tally_of(first_pass, rule, &pixels, PHOTONS)
 }
 
 fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
@@ -80,12 +100,12 @@ fn merge_law_single_passes_are_the_textbook_update() {
     for pass in 0..200 {
         let (field, tally) = (estimate.radius_field(region(ROWS)), invented(pass, ROWS));
         estimate.merge(&tally, &field).expect("the tally fits");
-        for ((twin, found), used) in twins.iter_mut().zip(&tally.pixels).zip(&field.radius_squared) {
+        for ((twin, found), used) in twins.iter_mut().zip(tally.pixels()).zip(&field.radius_squared) {
             twin.update(f64::from(found.photons), found.flux.map(f64::from), f64::from(*used));
         }
     }
     let picture = estimate.picture();
-    for (index, (pixel, twin)) in estimate.pixels.iter().zip(&twins).enumerate() {
+    for (index, (pixel, twin)) in estimate.pixels().into_iter().zip(&twins).enumerate() {
         close(pixel.radius_squared, twin.radius_squared, 1e-9, "R²");
         close(pixel.photons, twin.photons, 1e-9, "N");
         let sums = estimate.sums(index, &BOTH);
@@ -104,14 +124,9 @@ fn joined(tallies: &[Tally]) -> Tally {
     let mut sum = tallies[0].clone();
     sum.shard.passes = tallies.len() as u32;
     for tally in &tallies[1..] {
-        sum.photons_emitted += tally.photons_emitted;
-        for (pixel, more) in sum.pixels.iter_mut().zip(&tally.pixels) {
-            pixel.photons += more.photons;
-            pixel.inner_flux += more.inner_flux;
-            for channel in 0..3 {
-                pixel.flux[channel] += more.flux[channel];
-                pixel.radiance[channel] += more.radiance[channel];
-            }
+        sum.scalars.iter_mut().zip(&tally.scalars).for_each(|(sum, more)| *sum += more);
+        for (sum, more) in sum.planes.iter_mut().zip(&tally.planes) {
+            sum.iter_mut().zip(more).for_each(|(sum, more)| *sum += more);
         }
     }
     sum
@@ -119,7 +134,7 @@ fn joined(tallies: &[Tally]) -> Tally {
 
 /// Merges `tallies` in shards of the given lengths, all traced with the first field.
 fn merged_in_shards(tallies: &[Tally], lengths: &[usize], rule: RadiusRule) -> Estimate {
-    let rows = tallies[0].pixels.len() as u32;
+    let rows = tallies[0].pixels().len() as u32;
     let mut estimate = column(rows, rule);
     let field = estimate.radius_field(region(rows));
     let mut start = 0;
@@ -144,7 +159,7 @@ fn merge_law_cuts_into_shards_do_not_matter_for_equal_passes() {
     let whole = merged_in_shards(&tallies, &[24], RadiusRule::Statistics);
     for cut in CUTS {
         let estimate = merged_in_shards(&tallies, cut, RadiusRule::Statistics);
-        for (pixel, expected) in estimate.pixels.iter().zip(&whole.pixels) {
+        for (pixel, expected) in estimate.pixels().into_iter().zip(whole.pixels()) {
             close(pixel.radius_squared, expected.radius_squared, 1e-6, "R²");
             close(pixel.photons, expected.photons, 1e-6, "N");
         }
@@ -154,14 +169,15 @@ fn merge_law_cuts_into_shards_do_not_matter_for_equal_passes() {
 #[test]
 fn merge_law_cuts_into_shards_keep_the_picture() {
     const ROWS: u32 = 16;
-    let tallies: Vec<Tally> = (0..24).map(|pass| invented(2 * pass, ROWS)).collect();
     for rule in [RadiusRule::Statistics, RadiusRule::Schedule] {
+        let tallies: Vec<Tally> = (0..24).map(|pass| invented_under(rule, 2 * pass, ROWS)).collect();
         let whole = merged_in_shards(&tallies, &[24], rule);
         for cut in CUTS {
             let estimate = merged_in_shards(&tallies, cut, rule);
             assert_eq!(estimate.photons_emitted(), 24 * PHOTONS);
             assert_eq!(estimate.passes(), 24);
-            for (sums, expected) in estimate.twins[0].iter().zip(&whole.twins[0]) {
+            for pixel in 0..ROWS as usize {
+                let [sums, expected] = [&estimate, &whole].map(|estimate| estimate.sums(pixel, &[Twin::Even]));
                 for channel in 0..3 {
                     close(sums.flux_density[channel], expected.flux_density[channel], 1e-6, "τ/R²");
                     close(sums.radiance[channel], expected.radiance[channel], 1e-6, "radiance");
@@ -178,17 +194,14 @@ fn merge_law_cuts_into_shards_keep_the_picture() {
 fn merge_law_cuts_into_shards_hardly_change_the_radius() {
     const ROWS: u32 = 256;
     let poisson_tally = |pass: u32| {
-        let mut tally = Tally::zero(shard(pass, 1, ROWS), 1);
-        tally.photons_emitted = PHOTONS;
-        let pixels = tally.pixels.iter_mut().zip(0..);
-        pixels.for_each(|(pixel, index)| pixel.photons = poisson(20.0, pass, index) as f32);
-        tally
+        let pixel = |index| PixelTally { photons: poisson(20.0, pass, index) as f32, ..PixelTally::default() };
+        tally_of(pass, RadiusRule::Statistics, &(0..ROWS).map(pixel).collect::<Vec<_>>(), PHOTONS)
     };
     let tallies: Vec<Tally> = (0..24).map(|pass| poisson_tally(2 * pass)).collect();
     let whole = merged_in_shards(&tallies, &[24], RadiusRule::Statistics);
     for cut in CUTS {
         let estimate = merged_in_shards(&tallies, cut, RadiusRule::Statistics);
-        let pairs = estimate.pixels.iter().zip(&whole.pixels);
+        let pairs = estimate.pixels().into_iter().zip(whole.pixels());
         let ratios: Vec<f64> = pairs.map(|(pixel, expected)| pixel.radius_squared / expected.radius_squared).collect();
         let worst = ratios.iter().map(|ratio| (ratio - 1.0).abs()).fold(0.0, f64::max);
         let (mean, _) = mean_and_error(&ratios);
@@ -212,36 +225,43 @@ fn merge_law_what_does_not_fit_is_refused_and_changes_nothing() {
     assert_eq!(refuse(&invented(0, ROWS), &field), MergeError::OutOfOrder { expected: 2, found: 0 });
     assert_eq!(refuse(&invented(3, ROWS), &field), MergeError::OutOfOrder { expected: 1, found: 3 });
 
-    let mut elsewhere = Tally::zero(Shard { first_pass: 1, passes: 1, region: Region { row_start: 1, row_end: 3 } }, 1);
-    elsewhere.photons_emitted = 1;
+    let elsewhere = Shard { first_pass: 1, passes: 1, region: Region { row_start: 1, row_end: 3 } };
+    let elsewhere = Tally::zero(elsewhere, 1, &declaration(RadiusRule::Statistics));
+    let schedule = invented_under(RadiusRule::Schedule, 1, ROWS);
+    assert_eq!(refuse(&schedule, &field), MergeError::OtherDeclaration);
     let unknown = MergeError::UnknownRegion(Region { row_start: 1, row_end: 3 });
     assert_eq!(refuse(&elsewhere, &field), unknown);
 
     let mut short = invented(1, ROWS);
-    short.pixels.pop();
+    short.plane_mut("photons").expect("declared").pop();
     assert_eq!(refuse(&short, &field), TallyError::WrongSize { expected: 4, found: 3 }.into());
     let small_field = RadiusField { radius_squared: vec![1.0; 3], ..field.clone() };
     assert_eq!(refuse(&invented(1, ROWS), &small_field), TallyError::WrongSize { expected: 4, found: 3 }.into());
     let mut dark = invented(1, ROWS);
-    dark.photons_emitted = 0;
+    dark.set_scalar(PHOTONS_EMITTED, 0.0);
     assert_eq!(refuse(&dark, &field), TallyError::NothingEmitted.into());
 
-    type Break = fn(&mut Tally);
-    let break_pixel: [(&str, Break); 6] = [
-        ("photons", |tally| tally.pixels[2].photons = -1.0),
-        ("photons", |tally| tally.pixels[2].photons = f32::NAN),
-        ("photons", |tally| tally.pixels[2].photons = f32::INFINITY),
-        ("flux", |tally| tally.pixels[2].flux[1] = f32::NAN),
-        ("radiance", |tally| tally.pixels[2].radiance[0] = f32::NEG_INFINITY),
-        ("inner flux", |tally| tally.pixels[2].inner_flux = f32::NAN),
+    let spoiled_values = [
+        ("photons", 0, -1.0),
+        ("photons", 0, f32::NAN),
+        ("photons", 0, f32::INFINITY),
+        ("flux", 1, f32::NAN),
+        ("radiance", 0, f32::NEG_INFINITY),
+        ("inner_flux", 0, f32::NAN),
     ];
-    for (wrong, spoil) in break_pixel {
+    for (wrong, channel, value) in spoiled_values {
         let mut tally = invented(1, ROWS);
-        spoil(&mut tally);
+        tally.plane_mut(wrong).expect("declared")[channel * ROWS as usize + 2] = value;
         let MergeError::Tally(TallyError::ImpossibleValue { plane, pixel, .. }) = refuse(&tally, &field) else {
             panic!("a wrong {wrong} was called something else");
         };
-        assert_eq!((plane, pixel), (wrong, 2));
+        assert_eq!((plane.as_str(), pixel), (wrong, 2));
+    }
+    for value in [-1.0, 0.5, f64::NAN, f64::INFINITY, 1e300] {
+        let mut tally = invented(1, ROWS);
+        tally.set_scalar("rays", value);
+        let refused = refuse(&tally, &field);
+        assert!(matches!(refused, MergeError::Tally(TallyError::ImpossibleScalar { .. })), "{refused}");
     }
 }
 
@@ -249,8 +269,7 @@ fn merge_law_what_does_not_fit_is_refused_and_changes_nothing() {
 fn merge_law_a_wider_tally_is_refused() {
     let mut estimate = column(4, RadiusRule::Statistics);
     let field = estimate.radius_field(region(4));
-    let mut wide = Tally::zero(shard(0, 1, 4), 2);
-    wide.photons_emitted = 1;
+    let wide = Tally::zero(shard(0, 1, 4), 2, &declaration(RadiusRule::Statistics));
     let wide_field = RadiusField { radius_squared: vec![1.0; 8], ..field };
     let refused = estimate.merge(&wide, &wide_field);
     assert_eq!(refused, Err(TallyError::WrongSize { expected: 4, found: 8 }.into()));
@@ -285,19 +304,19 @@ fn toy(epoch: u32, photons: f64, pixels: u32) -> (Vec<f64>, Vec<f64>) {
         let field = estimate.radius_field(region(pixels));
         for pass in start..start + epoch {
             let scale = field.scale_of_pass(RadiusRule::Statistics, ALPHA, pass);
-            let mut tally = Tally::zero(shard(pass, 1, pixels), 1);
-            tally.photons_emitted = 1;
-            for (index, pixel) in tally.pixels.iter_mut().enumerate() {
+            let mut found_in = vec![PixelTally::default(); pixels as usize];
+            for (index, pixel) in found_in.iter_mut().enumerate() {
                 let gathered_in = f64::from(field.radius_squared[index] * scale);
                 let found = poisson(photons * gathered_in, pass, index as u32);
                 pixel.photons = found as f32 / scale;
                 // Each photon carries so much flux that the radiance is 1.
                 pixel.flux = [pixel.photons * (std::f64::consts::PI / photons) as f32; 3];
             }
+            let tally = tally_of(pass, RadiusRule::Statistics, &found_in, 1);
             estimate.merge(&tally, &field).expect("the tally fits");
         }
     }
-    let radii = estimate.pixels.iter().map(|pixel| pixel.radius_squared).collect();
+    let radii = estimate.pixels().into_iter().map(|pixel| pixel.radius_squared).collect();
     (radii, estimate.picture().radiance.iter().map(|pixel| f64::from(pixel[0])).collect())
 }
 
@@ -386,7 +405,7 @@ fn merge_law_schedule_ignores_what_was_found() {
         assert_eq!((field.base_pass, field.radius_squared.as_slice()), (0, &[1.0f32; 4][..]));
         let scale = f64::from(field.scale_of_pass(RadiusRule::Schedule, ALPHA, pass));
         close(scale, shrinkage(RadiusRule::Schedule, ALPHA, pass), 1e-6, "ρ");
-        estimate.merge(&invented(pass, 4), &field).expect("the tally fits");
+        estimate.merge(&invented_under(RadiusRule::Schedule, pass, 4), &field).expect("the tally fits");
     }
 }
 
@@ -405,9 +424,9 @@ fn merge_law_epochs_of_a_real_picture_agree() {
     for epoch in [8, 64] {
         let estimate = job.run(PASSES, epoch);
         let mut ratios: Vec<f64> = sequential
-            .pixels
+            .pixels()
             .iter()
-            .zip(&estimate.pixels)
+            .zip(estimate.pixels())
             .filter(|(expected, _)| expected.photons > 0.0)
             .map(|(expected, pixel)| (pixel.radius_squared / expected.radius_squared).sqrt())
             .collect();
@@ -416,7 +435,7 @@ fn merge_law_epochs_of_a_real_picture_agree() {
             ratios.iter().filter(|ratio| (**ratio - 1.0).abs() < bound).count() as f64 / ratios.len() as f64
         };
         let radii = |estimate: &Estimate| {
-            let found = estimate.pixels.iter().filter(|pixel| pixel.photons > 0.0);
+            let found = estimate.pixels().into_iter().filter(|pixel| pixel.photons > 0.0);
             mean_and_error(&found.map(|pixel| pixel.radius_squared.sqrt()).collect::<Vec<_>>()).0
         };
         let radiance = |estimate: &Estimate| {

@@ -60,7 +60,7 @@ fn run(scene: &Arc<Scene>, checked: &CheckedMethod) -> Estimate {
     let regions = vec![Region { row_start: 0, row_end: CUT }, Region { row_start: CUT, row_end: scene.height }];
     let mut plan = Plan::new(scene.width, scene.height, 1, Some(PASSES), checked.radius_rule);
     (plan.regions, plan.passes_per_shard, plan.shards_per_epoch) = (regions, 2, 4);
-    let mut estimate = begin(scene, checked, &renderer, &plan.regions);
+    let mut estimate = begin(scene, &renderer, &plan.regions);
     let mut fields: BTreeMap<(u32, u32), RadiusField> = BTreeMap::new();
     let take_fields = |estimate: &Estimate, epoch: u32, fields: &mut BTreeMap<(u32, u32), RadiusField>| {
         for (index, region) in plan.regions.iter().enumerate() {
@@ -81,15 +81,15 @@ fn run(scene: &Arc<Scene>, checked: &CheckedMethod) -> Estimate {
     estimate
 }
 
-fn begin(scene: &Scene, checked: &CheckedMethod, renderer: &Renderer, regions: &[Region]) -> Estimate {
+fn begin(scene: &Scene, renderer: &Renderer, regions: &[Region]) -> Estimate {
     let pilot = renderer.pilot(&AtomicBool::new(false)).expect("nobody cancels");
-    let (rule, alpha) = (checked.radius_rule, checked.alpha);
-    Estimate::new(scene.width, scene.height, regions, &pilot.radius_squared, rule, alpha)
+    let declaration = renderer.declaration().clone();
+    Estimate::new(scene.width, scene.height, regions, declaration, pilot.radius_squared()).expect("the pilot fits")
 }
 
 fn radius_and_photons(estimate: &Estimate) -> [Vec<f32>; 2] {
-    let radius = estimate.pixels.iter().map(|pixel| pixel.radius_squared.sqrt() as f32).collect();
-    [radius, estimate.pixels.iter().map(|pixel| pixel.photons as f32).collect()]
+    let radius = estimate.pixels().iter().map(|pixel| pixel.radius_squared.sqrt() as f32).collect();
+    [radius, estimate.pixels().iter().map(|pixel| pixel.photons as f32).collect()]
 }
 
 fn hash(values: impl IntoIterator<Item = f32>) -> String {

@@ -1,6 +1,8 @@
 //! The workers' protocol: what is written is what is read, and hostile bytes are refused without harm.
 
-use photonfarm::estimate::{PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
+use std::sync::Arc;
+
+use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
 use photonfarm::farm::ids::{Fencing, JobId, LeaseId};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::wire::first_surfaces;
@@ -12,7 +14,7 @@ use photonfarm::farm::wire::planes;
 use photonfarm::farm::wire::radius;
 use photonfarm::farm::wire::result::{decode_checked_tally, decode_pilot, decode_tally, encode_pilot, encode_tally};
 use photonfarm::math::{Rgb, Vec3};
-use photonfarm::method::{CheckedMethod, MethodChoice};
+use photonfarm::method::{CheckedMethod, FIRST_RADIUS_SQUARED, MethodChoice, PilotField};
 use photonfarm::render::Pilot;
 use photonfarm::render::first_surface::FirstSurface;
 use proptest::prelude::*;
@@ -21,6 +23,10 @@ use prost::Message;
 const REGION: Region = Region { row_start: 1, row_end: 3 };
 const SHARD: Shard = Shard { first_pass: 5, passes: 2, region: REGION };
 
+fn gathering() -> Arc<Declaration> {
+    Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0))
+}
+
 fn tally() -> Tally {
     let pixel = |index: usize| PixelTally {
         radiance: [index as f32, 0.5, -0.0],
@@ -28,8 +34,16 @@ fn tally() -> Tally {
         photons: index as f32 * 1.5,
         inner_flux: 0.25 * index as f32,
     };
-    let pixels = (0..REGION.pixel_count(700)).map(pixel).collect();
-    Tally { pixels, photons_emitted: 9, photons_stored: 8, rays: 7, non_finite: 6, ..Tally::zero(SHARD, 700) }
+    let pixels: Vec<PixelTally> = (0..REGION.pixel_count(700)).map(pixel).collect();
+    Tally { scalars: vec![9.0, 8.0, 7.0, 6.0], ..Tally::from_pixels(SHARD, 700, &gathering(), &pixels) }
+}
+
+fn pilot(fields: Vec<PilotField>, cost_per_pass: u64) -> Pilot {
+    Pilot::new(fields, cost_per_pass)
+}
+
+fn first_radii(values: Vec<f32>) -> PilotField {
+    PilotField { name: FIRST_RADIUS_SQUARED.to_owned(), values }
 }
 
 fn job() -> JobDescription {
@@ -55,9 +69,9 @@ fn job() -> JobDescription {
 fn tallies_keep_every_bit() {
     let tally = tally();
     let message = messages::Tally::decode(&encode_tally(&tally).encode_to_vec()[..]).expect("just encoded");
-    let read = decode_checked_tally(&message, SHARD, 700).expect("just encoded");
+    let read = decode_checked_tally(&message, SHARD, 700, &gathering()).expect("just encoded");
     assert_eq!(read, tally);
-    assert_eq!(read.pixels[0].radiance[2].to_bits(), (-0.0f32).to_bits());
+    assert_eq!(read.pixels()[0].radiance[2].to_bits(), (-0.0f32).to_bits());
 }
 
 #[test]
@@ -68,8 +82,15 @@ fn radius_fields_and_pilots_keep_every_bit() {
         typical_radius_squared: 0.25,
     };
     assert_eq!(radius::decode(&radius::encode(&field), 1400), Ok(field.clone()));
-    let pilot = Pilot { radius_squared: field.radius_squared, cost_per_pass: 77 };
-    assert_eq!(decode_pilot(&encode_pilot(&pilot), 1400), Ok(pilot));
+    let map = PilotField { name: "importance".to_owned(), values: vec![-1.0, 0.0, 1e30] };
+    let mut found = pilot(vec![first_radii(field.radius_squared), map], 77);
+    found.counts.push(("paths".to_owned(), u64::MAX));
+    let read = decode_pilot(&encode_pilot(&found), 1400, &gathering()).expect("just encoded");
+    assert_eq!(read, found);
+    assert_eq!(
+        (read.cost_per_pass(), read.count("paths"), read.field("importance")),
+        (77, Some(u64::MAX), Some(&[-1.0, 0.0, 1e30][..]))
+    );
 }
 
 fn lease(work: LeasedWork) -> WorkerLease {
@@ -111,13 +132,14 @@ fn first_surfaces_keep_every_bit() {
 #[test]
 fn a_result_that_does_not_fit_its_shard_is_refused() {
     let message = encode_tally(&tally());
-    assert!(decode_tally(&message, SHARD, 701).is_err(), "another width");
+    assert!(decode_tally(&message, SHARD, 701, &gathering()).is_err(), "another width");
     let other = Shard { region: Region { row_start: 0, row_end: 1 }, ..SHARD };
-    assert!(decode_tally(&message, other, 700).is_err(), "another region");
+    assert!(decode_tally(&message, other, 700, &gathering()).is_err(), "another region");
     for (wrong, text) in [(f32::NAN, "NaN"), (f32::INFINITY, "inf"), (-1.0, "-1")] {
         let mut tally = tally();
-        tally.pixels[17].photons = wrong;
-        let problem = decode_checked_tally(&encode_tally(&tally), SHARD, 700).expect_err("an impossible value");
+        tally.plane_mut("photons").expect("declared")[17] = wrong;
+        let problem =
+            decode_checked_tally(&encode_tally(&tally), SHARD, 700, &gathering()).expect_err("an impossible value");
         assert!(problem.to_string().contains(text) && problem.to_string().contains("pixel 17"), "{problem}");
     }
 }
@@ -127,7 +149,18 @@ fn impossible_radii_are_refused() {
     for wrong in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         assert!(radius::decode_radii(&radius::encode_radii(&[1.0, wrong]), 2).is_err(), "{wrong}");
     }
-    assert!(decode_pilot(&encode_pilot(&Pilot { radius_squared: vec![1.0], cost_per_pass: 0 }), 1).is_err());
+    let refused =
+        |found: &Pilot, declaration: &Declaration| decode_pilot(&encode_pilot(found), 1, declaration).is_err();
+    assert!(!refused(&pilot(vec![first_radii(vec![1.0])], 1), &gathering()));
+    assert!(refused(&pilot(vec![first_radii(vec![1.0])], 0), &gathering()), "no cost");
+    assert!(refused(&pilot(vec![first_radii(vec![0.0])], 1), &gathering()), "no radius");
+    assert!(refused(&pilot(vec![first_radii(vec![1.0; 2])], 1), &gathering()), "too many radii");
+    assert!(refused(&pilot(Vec::new(), 1), &gathering()), "no radii");
+    let radiance_only = Declaration::radiance_only(RadiusRule::Schedule, 1.0);
+    assert!(!refused(&pilot(Vec::new(), 1), &radiance_only));
+    assert!(refused(&pilot(vec![first_radii(vec![1.0])], 1), &radiance_only), "radii that nobody needs");
+    let wrong_map = PilotField { name: "importance".to_owned(), values: vec![f32::NAN] };
+    assert!(refused(&pilot(vec![wrong_map], 1), &radiance_only), "not a number");
 }
 
 #[test]
@@ -151,42 +184,45 @@ fn impossible_leases_are_refused() {
 /// A few bytes that claim to be a large picture are refused before memory is spent on it.
 #[test]
 fn a_short_message_does_not_become_a_large_allocation() {
-    assert!(planes::decompress::<8>(&[0; 100], usize::MAX / 1000).is_err());
-    assert!(planes::decompress::<1>(&[], 1).is_err());
-    assert!(planes::decompress::<8>(&[0; 100], usize::MAX).is_err());
+    assert!(planes::decompress(&[0; 100], usize::MAX / 1000).is_err());
+    assert!(planes::decompress(&[], 1).is_err());
+    assert!(planes::decompress(&[0; 100], usize::MAX).is_err());
 }
 
 /// More than one chunk, and none at all; nothing may be missing or left over.
 #[test]
 fn chunks_join_without_a_seam() {
-    let records: Vec<[f32; 1]> = (0..40_000).map(|index| [index as f32]).collect();
-    let mut bytes = planes::compress(&records);
-    assert_eq!(planes::decompress::<1>(&bytes, 40_000), Ok(records));
-    assert!(planes::decompress::<1>(&bytes, 39_999).is_err());
+    let values: Vec<f32> = (0..140_000).map(|index| index as f32).collect();
+    let mut bytes = planes::compress(&values);
+    assert_eq!(planes::decompress(&bytes, 140_000), Ok(values));
+    assert!(planes::decompress(&bytes, 139_999).is_err());
     bytes.push(0);
-    assert!(planes::decompress::<1>(&bytes, 40_000).is_err());
-    assert_eq!(planes::decompress::<1>(&planes::compress::<1>(&[]), 0), Ok(Vec::new()));
+    assert!(planes::decompress(&bytes, 140_000).is_err());
+    assert_eq!(planes::decompress(&planes::compress(&[]), 0), Ok(Vec::new()));
 }
 
 proptest! {
     #[test]
-    fn planes_are_exact_for_any_count(bits in prop::collection::vec(prop::array::uniform8(any::<u32>()), 0..3000)) {
-        let records: Vec<[f32; 8]> = bits.iter().map(|record| record.map(f32::from_bits)).collect();
-        let read = planes::decompress::<8>(&planes::compress(&records), records.len()).expect("just compressed");
-        let read: Vec<[u32; 8]> = read.iter().map(|record| record.map(f32::to_bits)).collect();
+    fn planes_are_exact_for_any_count(bits in prop::collection::vec(any::<u32>(), 0..9000)) {
+        let values: Vec<f32> = bits.iter().map(|bits| f32::from_bits(*bits)).collect();
+        let read = planes::decompress(&planes::compress(&values), values.len()).expect("just compressed");
+        let read: Vec<u32> = read.iter().map(|value| value.to_bits()).collect();
         prop_assert_eq!(read, bits);
     }
 
     #[test]
     fn hostile_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..2000), count in 0usize..5000) {
-        let _ = planes::decompress::<8>(&bytes, count);
+        let _ = planes::decompress(&bytes, count);
         let _ = radius::decode_radii(&bytes, count);
         let _ = messages::ResultRequest::decode(&bytes[..]);
         if let Ok(message) = messages::Lease::decode(&bytes[..]) {
             let _ = decode_lease(message);
         }
         if let Ok(message) = messages::Tally::decode(&bytes[..]) {
-            let _ = decode_checked_tally(&message, SHARD, 700);
+            let _ = decode_checked_tally(&message, SHARD, 700, &gathering());
+        }
+        if let Ok(message) = messages::Pilot::decode(&bytes[..]) {
+            let _ = decode_pilot(&message, count, &gathering());
         }
     }
 
@@ -196,7 +232,7 @@ proptest! {
         let position = position % bytes.len();
         bytes[position] = value;
         if let Ok(message) = messages::Tally::decode(&bytes[..]) {
-            let _ = decode_checked_tally(&message, SHARD, 700);
+            let _ = decode_checked_tally(&message, SHARD, 700, &gathering());
         }
     }
 }

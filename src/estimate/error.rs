@@ -17,7 +17,9 @@
 //! together. But noise says the opposite as often: what is found with the sign of one twin's bias turned around is what chance brings, and is
 //! subtracted. The rest counts when it is more than chance.
 
+use super::declaration::{FLUX, INNER_FLUX, PlaneRule};
 use super::merging::{Estimate, RegionProgress};
+use super::reading::Scale;
 use super::shard::Twin;
 
 /// The floor of squared radiance that errors are compared with, as a share of the picture's squared mean.
@@ -70,6 +72,17 @@ struct PixelError {
 }
 
 impl PixelError {
+    /// From what the twins, which have these shares of the passes, say of radiance, of its sampled part and of the bias.
+    fn new(shares: [f64; 2], radiance: [[f64; 3]; 2], sampled: [[f64; 3]; 2], bias: [f64; 2]) -> Self {
+        let mean = [0, 1, 2].map(|c| shares[0] * radiance[0][c] + shares[1] * radiance[1][c]);
+        let gray = mean.iter().sum::<f64>() / 3.0;
+        let squares = mean.iter().map(|value| value * value).sum::<f64>() / 3.0;
+        let colored = if gray > 0.0 { squares / (gray * gray) } else { 1.0 };
+        let variance =
+            |[a, b]: [[f64; 3]; 2]| shares[0] * shares[1] * (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>() / 3.0;
+        Self { gray, variance: variance(radiance), sampled_variance: variance(sampled), bias, colored }
+    }
+
     /// Squared bias, mean of the channels; may be negative.
     fn squared_bias(&self) -> f64 {
         self.bias[0] * self.bias[1] * self.colored
@@ -136,7 +149,7 @@ impl Estimate {
     }
 
     fn pixel_errors(&self) -> Option<Vec<PixelError>> {
-        let mut pixels = Vec::with_capacity(self.pixels.len());
+        let mut pixels = Vec::with_capacity(self.pixel_count());
         for progress in &self.progress {
             self.region_errors(progress, &mut pixels)?;
         }
@@ -144,35 +157,36 @@ impl Estimate {
     }
 
     fn region_errors(&self, progress: &RegionProgress, pixels: &mut Vec<PixelError>) -> Option<()> {
-        let scales = [progress.scale(&[Twin::Even])?, progress.scale(&[Twin::Odd])?];
+        let scale = |twin| progress.scale(&self.declaration, &[twin]);
+        let scales = [scale(Twin::Even)?, scale(Twin::Odd)?];
         let shares = progress.passes.map(|passes| f64::from(passes) / f64::from(progress.all_passes()));
-        let start = progress.region.row_start as usize * self.width as usize;
-        for index in start..start + progress.region.pixel_count(self.width) {
-            let sums = [&self.twins[0][index], &self.twins[1][index]];
-            let radiance = [0, 1].map(|twin| sums[twin].mean_radiance(scales[twin]));
-            let bias = [0, 1].map(|twin| {
-                let outer = sums[twin].flux_density.iter().sum::<f64>() / 3.0;
-                2.0 * (outer - 2.0 * sums[twin].inner_flux_density) * scales[twin].per_photon
-            });
-            let mean = [0, 1, 2].map(|c| shares[0] * radiance[0][c] + shares[1] * radiance[1][c]);
-            let gray = mean.iter().sum::<f64>() / 3.0;
-            let squares = mean.iter().map(|value| value * value).sum::<f64>() / 3.0;
-            let colored = if gray > 0.0 { squares / (gray * gray) } else { 1.0 };
-            let sampled = [0, 1].map(|twin| sums[twin].radiance.map(|sum| sum * scales[twin].per_pass));
-            let variance = |[a, b]: [[f64; 3]; 2]| {
-                shares[0] * shares[1] * (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>() / 3.0
+        for row in self.rows_of(progress) {
+            let of_twin = |twin: Twin, takes: fn(&PlaneRule) -> bool| {
+                self.radiance_of(row.clone(), &[twin], &scales[twin as usize], takes)
             };
-            pixels.push(PixelError {
-                gray,
-                variance: variance(radiance),
-                sampled_variance: variance(sampled),
-                bias,
-                colored,
-            });
+            let radiance = TWINS.map(|twin| of_twin(twin, |_| true));
+            let sampled = TWINS.map(|twin| of_twin(twin, |rule| *rule != PlaneRule::FluxOverRadius));
+            for (column, pixel) in row.clone().enumerate() {
+                let at = |twins: &[[Vec<f64>; 3]; 2]| {
+                    twins.each_ref().map(|channels| channels.each_ref().map(|channel| channel[column]))
+                };
+                let bias = TWINS.map(|twin| self.bias_of(pixel, twin, &scales[twin as usize]));
+                pixels.push(PixelError::new(shares, at(&radiance), at(&sampled), bias));
+            }
         }
         Some(())
     }
+
+    /// What a twin tells of the bias of a pixel's mean radiance; 0 without density estimates.
+    fn bias_of(&self, pixel: usize, twin: Twin, scale: &Scale) -> f64 {
+        let sums = self.flux_sums(FLUX, twin).zip(self.flux_sums(INNER_FLUX, twin));
+        let Some((outer, inner)) = sums else { return 0.0 };
+        let channels = [0, 1, 2].map(|channel| outer[channel * self.pixel_count() + pixel]);
+        2.0 * (channels.iter().sum::<f64>() / 3.0 - 2.0 * inner[pixel]) * scale.per_photon
+    }
 }
+
+const TWINS: [Twin; 2] = [Twin::Even, Twin::Odd];
 
 /// Means over the neighbourhoods of pixels.
 struct Smooth {

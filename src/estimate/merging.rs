@@ -16,42 +16,15 @@
 //!    update maps `x → x + 1` and `R² → R²·(x + α)/(x + 1)`, hence `R²` is multiplied by `Π_{j<k} (x+j+α)/(x+j+1)` and `N` becomes
 //!    `d·R²·(x + k)`.
 
-use bytemuck::{Pod, Zeroable};
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
-use super::picture::Picture;
+use super::declaration::{Declaration, DeclarationError, NON_FINITE, PHOTONS_EMITTED, PlaneRule};
 use super::radius::{RadiusField, RadiusRule, typical_radius_squared};
-use super::shard::{Region, Twin};
-use super::tally::{PixelTally, Tally, TallyError};
-
-/// What decides a pixel's radius, shared by both twins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct PixelEstimate {
-    /// R², m².
-    pub radius_squared: f64,
-    /// N, accumulated photons (not whole: α of each pass's).
-    pub photons: f64,
-}
-
-/// What a pixel's passes add up to, of one twin or of both.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct PixelSums {
-    /// τ/R² = Σ Φᵢ/R²ᵢ, W·sr⁻¹·m⁻².
-    pub flux_density: [f64; 3],
-    /// Σ of radiance over passes, W·sr⁻¹·m⁻².
-    pub radiance: [f64; 3],
-    /// Σ Φ'ᵢ/R²ᵢ of the flux inside half the disc's area, mean of the channels, W·sr⁻¹·m⁻².
-    pub inner_flux_density: f64,
-}
-
-impl PixelSums {
-    /// The picture's radiance, W·sr⁻¹·m⁻².
-    pub fn mean_radiance(&self, scale: Scale) -> [f64; 3] {
-        [0, 1, 2].map(|channel| self.radiance[channel] * scale.per_pass + self.flux_density[channel] * scale.per_photon)
-    }
-}
+use super::shard::{Region, Shard};
+use super::shrinking::{Radii, Shrinking};
+use super::tally::{Tally, TallyError};
 
 /// How far a region has come.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -61,34 +34,39 @@ pub struct RegionProgress {
     pub region: Region,
     /// Passes merged of each twin; the twin's next shard to merge starts after them.
     pub passes: [u32; 2],
-    /// E, photons emitted in them.
-    pub photons_emitted: [u64; 2],
+    /// The sums of the declared scalars over those passes.
+    pub scalars: [Vec<f64>; 2],
 }
 
 impl RegionProgress {
+    fn new(region: Region, declaration: &Declaration) -> Self {
+        let zeros = vec![0.0; declaration.scalars.len()];
+        Self { region, passes: [0; 2], scalars: [zeros.clone(), zeros] }
+    }
+
     /// Passes merged of both twins.
     pub fn all_passes(&self) -> u32 {
         self.passes[0] + self.passes[1]
     }
 }
 
-/// The job's merged state.
+/// The job's merged state: for each twin the sums of the declared planes, and the radii where the method gathers.
+///
+/// Planes are arrays of their own, so that what a method does not declare takes no memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Picture width, pixels.
     pub width: u32,
     /// Picture height, pixels.
     pub height: u32,
-    /// Row-major, top row first.
-    pub pixels: Vec<PixelEstimate>,
-    /// The sums of each [`Twin`](super::shard::Twin), in the order of `pixels`.
-    pub twins: [Vec<PixelSums>; 2],
     /// The regions, from top to bottom.
     pub progress: Vec<RegionProgress>,
-    /// Contributions dropped because they were not finite.
-    pub non_finite: u64,
-    rule: RadiusRule,
-    alpha: f64,
+    pub(super) declaration: Arc<Declaration>,
+    /// Of each [`Twin`](super::shard::Twin) the declared planes, channel after channel, each channel row-major; empty where the
+    /// estimate keeps no sums.
+    pub(super) twins: [Vec<Vec<f64>>; 2],
+    /// What decides the gather radii, shared by both twins.
+    pub(super) radii: Radii,
 }
 
 /// A tally that cannot be merged now.
@@ -97,6 +75,9 @@ pub enum MergeError {
     /// The tally itself is wrong.
     #[error(transparent)]
     Tally(#[from] TallyError),
+    /// The tally is of another method than the estimate.
+    #[error("the tally holds other planes than this job's")]
+    OtherDeclaration,
     /// The region is not one of this estimate's.
     #[error("rows {}..{} are not a region of this job", .0.row_start, .0.row_end)]
     UnknownRegion(Region),
@@ -110,41 +91,64 @@ pub enum MergeError {
     },
 }
 
+/// First radii that do not fit a picture, or a method that contradicts itself.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum EstimateError {
+    /// The method contradicts itself.
+    #[error(transparent)]
+    Declaration(#[from] DeclarationError),
+    /// The number of values is wrong.
+    #[error("{plane} has {found} values where {expected} are needed")]
+    WrongSize {
+        /// What has the wrong size.
+        plane: &'static str,
+        /// Values needed.
+        expected: usize,
+        /// Values that came.
+        found: usize,
+    },
+}
+
+/// Pixels that are added at a time: their numbers stay in the first-level cache.
+const BLOCK: usize = 1024;
+
 impl Estimate {
-    /// An estimate without passes. `regions` cover the picture from top to bottom; `initial_radius_squared` has one
-    /// positive finite value per pixel.
+    /// An estimate without passes. `regions` cover the picture from top to bottom; `first_radius_squared` has one positive
+    /// finite value per pixel, or none where the declaration has no radii.
     pub fn new(
         width: u32,
         height: u32,
         regions: &[Region],
-        initial_radius_squared: &[f32],
-        rule: RadiusRule,
-        alpha: f64,
-    ) -> Self {
-        assert_eq!(initial_radius_squared.len(), width as usize * height as usize, "one radius per pixel");
-        let pixel = |radius_squared: &f32| PixelEstimate { radius_squared: f64::from(*radius_squared), photons: 0.0 };
-        let progress = |region: &Region| RegionProgress { region: *region, passes: [0; 2], photons_emitted: [0; 2] };
-        let sums = vec![PixelSums::default(); initial_radius_squared.len()];
-        Self {
+        declaration: Arc<Declaration>,
+        first_radius_squared: &[f32],
+    ) -> Result<Self, EstimateError> {
+        declaration.check()?;
+        let pixels = width as usize * height as usize;
+        let (expected, found) = (if declaration.has_radii() { pixels } else { 0 }, first_radius_squared.len());
+        if found != expected {
+            return Err(EstimateError::WrongSize { plane: "the radius field", expected, found });
+        }
+        let channels = |summed: bool, channels: usize| if summed { channels * pixels } else { 0 };
+        let planes = declaration.planes.iter().map(|plane| vec![0.0; channels(plane.is_summed(), plane.channels)]);
+        let planes: Vec<Vec<f64>> = planes.collect();
+        Ok(Self {
             width,
             height,
-            pixels: initial_radius_squared.iter().map(pixel).collect(),
-            twins: [sums.clone(), sums],
-            progress: regions.iter().map(progress).collect(),
-            non_finite: 0,
-            rule,
-            alpha,
-        }
+            progress: regions.iter().map(|region| RegionProgress::new(*region, &declaration)).collect(),
+            twins: [planes.clone(), planes],
+            radii: Radii::new(first_radius_squared, declaration.shrinks_by_count()),
+            declaration,
+        })
     }
 
-    /// The rule by which its radii shrink.
-    pub fn radius_rule(&self) -> RadiusRule {
-        self.rule
+    /// What planes and scalars there are.
+    pub fn declaration(&self) -> &Arc<Declaration> {
+        &self.declaration
     }
 
-    /// α of that rule.
-    pub fn alpha(&self) -> f64 {
-        self.alpha
+    /// Pixels of the picture.
+    pub fn pixel_count(&self) -> usize {
+        self.width as usize * self.height as usize
     }
 
     /// Passes merged in every region.
@@ -152,67 +156,99 @@ impl Estimate {
         self.progress.iter().map(RegionProgress::all_passes).min().unwrap_or(0)
     }
 
+    /// A scalar, summed over twins and regions; 0 when it is not declared.
+    pub fn scalar(&self, name: &str) -> f64 {
+        let Some(index) = self.declaration.scalar(name) else { return 0.0 };
+        self.progress.iter().flat_map(|progress| progress.scalars.each_ref().map(|scalars| scalars[index])).sum()
+    }
+
     /// Photons emitted, summed over regions.
     pub fn photons_emitted(&self) -> u64 {
-        self.progress.iter().flat_map(|progress| progress.photons_emitted).sum()
+        self.scalar(PHOTONS_EMITTED) as u64
+    }
+
+    /// Contributions dropped because they were not finite.
+    pub fn non_finite(&self) -> u64 {
+        self.scalar(NON_FINITE) as u64
     }
 
     /// Folds the next tally of its region into the state. `field` holds the radii with which it was traced.
     pub fn merge(&mut self, tally: &Tally, field: &RadiusField) -> Result<(), MergeError> {
         tally.check()?;
-        let shard = tally.shard;
-        let expected = shard.region.pixel_count(self.width);
-        if tally.pixels.len() != expected {
-            return Err(TallyError::WrongSize { expected, found: tally.pixels.len() }.into());
+        let (index, pixels) = self.place_of(tally, field)?;
+        for start in (0..pixels).step_by(BLOCK) {
+            self.merge_block(tally, field, start, BLOCK.min(pixels - start));
         }
-        let progress = self
-            .progress
-            .iter_mut()
-            .find(|progress| progress.region == shard.region)
-            .ok_or(MergeError::UnknownRegion(shard.region))?;
-        let twin = shard.twin() as usize;
-        let next = 2 * progress.passes[twin] + twin as u32;
-        if next != shard.first_pass {
-            return Err(MergeError::OutOfOrder { expected: next, found: shard.first_pass });
-        }
-        if field.radius_squared.len() != tally.pixels.len() {
-            let (expected, found) = (tally.pixels.len(), field.radius_squared.len());
-            return Err(TallyError::WrongSize { expected, found }.into());
-        }
-        let start = shard.region.row_start as usize * self.width as usize;
-        let range = start..start + tally.pixels.len();
-        let (pixels, sums) = (&mut self.pixels[range.clone()], &mut self.twins[twin][range]);
-        let inverse_passes = 1.0 / f64::from(shard.passes);
-        let groups = pixels.chunks_mut(LANES).zip(sums.chunks_mut(LANES));
-        let groups = groups.zip(tally.pixels.chunks(LANES)).zip(field.radius_squared.chunks(LANES));
-        for (((pixels, sums), found), used) in groups {
-            let mut densities = [0.0; LANES];
-            for (((sums, found), used), density) in sums.iter_mut().zip(found).zip(used).zip(&mut densities) {
-                let inverse_used = 1.0 / f64::from(*used);
-                sums.add(found, inverse_used);
-                *density = f64::from(found.photons) * inverse_used * inverse_passes;
-            }
-            if self.rule == RadiusRule::Statistics {
-                shrink_radii(pixels, &densities, shard.passes, self.alpha);
-            }
-        }
-        progress.passes[twin] += shard.passes;
-        progress.photons_emitted[twin] += tally.photons_emitted;
-        self.non_finite += tally.non_finite;
+        let (progress, twin) = (&mut self.progress[index], tally.shard.twin() as usize);
+        progress.passes[twin] += tally.shard.passes;
+        progress.scalars[twin].iter_mut().zip(&tally.scalars).for_each(|(sum, value)| *sum += value);
         Ok(())
     }
 
-    /// The radii with which passes that start now are to be traced in `region`.
+    /// The index of the region of a tally that can be merged now, and its number of pixels.
+    fn place_of(&self, tally: &Tally, field: &RadiusField) -> Result<(usize, usize), MergeError> {
+        let Shard { region, first_pass, .. } = tally.shard;
+        if tally.declaration != self.declaration {
+            return Err(MergeError::OtherDeclaration);
+        }
+        let (expected, found) = (region.pixel_count(self.width), region.pixel_count(tally.width));
+        if found != expected {
+            return Err(TallyError::WrongSize { expected, found }.into());
+        }
+        let index = self.progress.iter().position(|progress| progress.region == region);
+        let index = index.ok_or(MergeError::UnknownRegion(region))?;
+        let twin = tally.shard.twin() as usize;
+        let next = 2 * self.progress[index].passes[twin] + twin as u32;
+        if next != first_pass {
+            return Err(MergeError::OutOfOrder { expected: next, found: first_pass });
+        }
+        let (radii, found) = (if self.declaration.has_radii() { expected } else { 0 }, field.radius_squared.len());
+        if found != radii {
+            return Err(TallyError::WrongSize { expected: radii, found }.into());
+        }
+        Ok((index, expected))
+    }
+
+    /// Adds `count` pixels of a tally, from pixel `start` of its region on.
+    fn merge_block(&mut self, tally: &Tally, field: &RadiusField, start: usize, count: usize) {
+        let region_pixels = tally.shard.region.pixel_count(self.width);
+        let first = tally.shard.region.row_start as usize * self.width as usize + start;
+        let all = self.pixel_count();
+        let mut inverse_used = [0.0; BLOCK];
+        let used = field.radius_squared.get(start..start + count).unwrap_or_default();
+        inverse_used.iter_mut().zip(used).for_each(|(inverse, used)| *inverse = 1.0 / f64::from(*used));
+        let sums = &mut self.twins[tally.shard.twin() as usize];
+        for ((declared, found), sums) in self.declaration.planes.iter().zip(&tally.planes).zip(sums) {
+            for channel in 0..declared.channels {
+                let found = &found[channel * region_pixels + start..][..count];
+                let place = channel * all + first..channel * all + first + count;
+                match declared.rule {
+                    PlaneRule::Sum | PlaneRule::Ratio { .. } => add(&mut sums[place], found),
+                    PlaneRule::FluxOverRadius => add_scaled(&mut sums[place], found, &inverse_used),
+                    PlaneRule::Count => {
+                        let (passes, alpha) = (tally.shard.passes, self.declaration.alpha);
+                        let shrinking = Shrinking { found, inverse_used: &inverse_used[..count], passes, alpha };
+                        self.radii.shrink(first, &shrinking);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The radii with which passes that start now are to be traced in `region`; no radii where the method has none.
     ///
     /// Under `schedule` this is always the first radius, with `base_pass` 0.
     pub fn radius_field(&self, region: Region) -> RadiusField {
+        if !self.declaration.has_radii() {
+            return RadiusField::none();
+        }
         let start = region.row_start as usize * self.width as usize;
-        let pixels = &self.pixels[start..start + region.pixel_count(self.width)];
+        let radii = &self.radii.radius_squared[start..start + region.pixel_count(self.width)];
         let merged = self.progress.iter().find(|progress| progress.region == region);
         RadiusField {
             // Below that there is nothing to gather, and single precision has no such numbers: they would become 0.
-            radius_squared: pixels.iter().map(|pixel| (pixel.radius_squared as f32).max(f32::MIN_POSITIVE)).collect(),
-            base_pass: match self.rule {
+            radius_squared: radii.iter().map(|radius| (*radius as f32).max(f32::MIN_POSITIVE)).collect(),
+            base_pass: match self.declaration.radius_rule {
                 RadiusRule::Statistics => merged.map_or(0, RegionProgress::all_passes),
                 RadiusRule::Schedule => 0,
             },
@@ -220,111 +256,19 @@ impl Estimate {
         }
     }
 
-    /// The median radius² of the whole picture, m².
+    /// The median radius² of the whole picture, m²; 1 where there are no radii.
     pub fn typical_radius_squared(&self) -> f32 {
-        typical_radius_squared(self.pixels.iter().map(|pixel| pixel.radius_squared as f32))
-    }
-
-    /// Radiance as estimated so far: `L = Σradiance/passes + D/(π·E/passes)/passes`. Regions without a pass are black.
-    pub fn picture(&self) -> Picture {
-        self.picture_of(&[Twin::Even, Twin::Odd])
-    }
-
-    /// The same of one twin alone.
-    pub fn twin_picture(&self, twin: Twin) -> Picture {
-        self.picture_of(&[twin])
-    }
-
-    fn picture_of(&self, twins: &[Twin]) -> Picture {
-        let mut radiance = vec![[0.0f32; 3]; self.pixels.len()];
-        for progress in &self.progress {
-            let start = progress.region.row_start as usize * self.width as usize;
-            let range = start..start + progress.region.pixel_count(self.width);
-            let Some(scale) = progress.scale(twins) else { continue };
-            for (index, output) in range.clone().zip(&mut radiance[range]) {
-                *output = self.sums(index, twins).mean_radiance(scale).map(|value| value as f32);
-            }
-        }
-        Picture { width: self.width, height: self.height, radiance }
-    }
-
-    /// What the passes of `twins` add up to in a pixel.
-    pub fn sums(&self, pixel: usize, twins: &[Twin]) -> PixelSums {
-        let mut total = PixelSums::default();
-        for sums in twins.iter().map(|twin| &self.twins[*twin as usize][pixel]) {
-            for channel in 0..3 {
-                total.flux_density[channel] += sums.flux_density[channel];
-                total.radiance[channel] += sums.radiance[channel];
-            }
-            total.inner_flux_density += sums.inner_flux_density;
-        }
-        total
+        typical_radius_squared(self.radii.radius_squared.iter().map(|radius| *radius as f32))
     }
 }
 
-/// What sums of passes are multiplied with to become radiance.
-#[derive(Clone, Copy, Debug)]
-pub struct Scale {
-    /// For radiance: one over the passes.
-    pub per_pass: f64,
-    /// For flux densities: one over π·E.
-    pub per_photon: f64,
+/// Adds values to sums.
+fn add(sums: &mut [f64], found: &[f32]) {
+    sums.iter_mut().zip(found).for_each(|(sum, found)| *sum += f64::from(*found));
 }
 
-impl RegionProgress {
-    /// The scale of the sums of `twins`; `None` when they have no pass.
-    pub fn scale(&self, twins: &[Twin]) -> Option<Scale> {
-        let passes: u32 = twins.iter().map(|twin| self.passes[*twin as usize]).sum();
-        let photons: u64 = twins.iter().map(|twin| self.photons_emitted[*twin as usize]).sum();
-        // Without photons there is no flux that this could scale.
-        let per_photon = 1.0 / (std::f64::consts::PI * photons.max(1) as f64);
-        (passes > 0).then(|| Scale { per_pass: 1.0 / f64::from(passes), per_photon })
-    }
-}
-
-impl PixelSums {
-    /// Adds sums that were gathered with R_used² = 1/`inverse_used` [identity 1].
-    fn add(&mut self, found: &PixelTally, inverse_used: f64) {
-        for channel in 0..3 {
-            self.radiance[channel] += f64::from(found.radiance[channel]);
-            self.flux_density[channel] += f64::from(found.flux[channel]) * inverse_used;
-        }
-        self.inner_flux_density += f64::from(found.inner_flux) * inverse_used;
-    }
-}
-
-/// Pixels that are shrunk together: their chains of products run side by side.
-const LANES: usize = 8;
-
-/// Shrinks the radius of each of at most [`LANES`] pixels by `passes` equal updates that each found `density`·R² photons
-/// [identity 2]. Pixels of density 0 stay as they are.
-fn shrink_radii(pixels: &mut [PixelEstimate], densities: &[f64; LANES], passes: u32, alpha: f64) {
-    let mut first = [0.0; LANES];
-    for ((first, pixel), density) in first.iter_mut().zip(&*pixels).zip(densities) {
-        *first = if *density > 0.0 { pixel.photons / (density * pixel.radius_squared) } else { 0.0 };
-    }
-    let product = shrink_products(&first, passes, alpha);
-    for (lane, pixel) in pixels.iter_mut().enumerate().filter(|(lane, _)| densities[*lane] > 0.0) {
-        pixel.radius_squared *= product[lane];
-        pixel.photons = densities[lane] * pixel.radius_squared * (first[lane] + f64::from(passes));
-    }
-}
-
-/// `Π_{j<passes} (first+j+α)/(first+j+1)` for each lane, with one division per eight factors.
-fn shrink_products(first: &[f64; LANES], passes: u32, alpha: f64) -> [f64; LANES] {
-    let mut product = [1.0; LANES];
-    for block in (0..passes).step_by(8) {
-        let (mut above, mut below) = ([1.0; LANES], [1.0; LANES]);
-        for j in block..passes.min(block + 8) {
-            let j = f64::from(j);
-            for lane in 0..LANES {
-                above[lane] *= first[lane] + j + alpha;
-                below[lane] *= first[lane] + j + 1.0;
-            }
-        }
-        for lane in 0..LANES {
-            product[lane] *= above[lane] / below[lane];
-        }
-    }
-    product
+/// Adds flux that was gathered with R_used² = 1/`inverse_used` [identity 1].
+fn add_scaled(sums: &mut [f64], found: &[f32], inverse_used: &[f64]) {
+    let sums = sums.iter_mut().zip(found).zip(inverse_used);
+    sums.for_each(|((sum, found), inverse)| *sum += f64::from(*found) * inverse);
 }

@@ -1,19 +1,27 @@
 //! Tallies, the rules that merge them into an estimate, and the picture read from it.
 //!
-//! A worker returns a [`Tally`]: sums and counts of a [`Shard`], never means. [`Estimate::merge`] folds tallies in shard
-//! order; it never asks which method made them. A [`Picture`] is normalised radiance, taken at any time.
+//! A method declares what its tallies hold (a [`Declaration`]). A worker returns a [`Tally`]: sums and counts of a [`Shard`], never
+//! means. [`Estimate::merge`] folds tallies in shard order by the declared rules; it never asks which method made them. A
+//! [`Picture`] is normalised radiance, taken at any time.
 
+pub mod declaration;
 pub mod error;
 pub mod merging;
 pub mod picture;
 pub mod picture_files;
 pub mod radius;
+pub mod reading;
 pub mod shard;
+pub mod shrinking;
+pub mod snapshot;
 pub mod tally;
 
+pub use declaration::{Declaration, PlaneDeclaration, PlaneRule, ScalarDeclaration, ScalarRule};
 pub use error::ErrorEstimate;
-pub use merging::{Estimate, MergeError, PixelEstimate, PixelSums};
+pub use merging::{Estimate, EstimateError, MergeError};
 pub use picture::Picture;
 pub use radius::{RadiusField, RadiusRule};
+pub use reading::PixelSums;
 pub use shard::{Region, Shard, Twin};
+pub use shrinking::PixelEstimate;
 pub use tally::{PixelTally, Tally, TallyError};

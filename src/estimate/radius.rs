@@ -32,7 +32,7 @@ pub fn shrinkage(rule: RadiusRule, alpha: f64, passes: u32) -> f64 {
 /// was foreseen wrongly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadiusField {
-    /// Radius² per pixel of a region, row-major, m². Positive and finite.
+    /// Radius² per pixel of a region, row-major, m². Positive and finite; empty for methods that gather nothing.
     pub radius_squared: Vec<f32>,
     /// Passes that had been merged when the field was taken.
     pub base_pass: u32,
@@ -41,6 +41,11 @@ pub struct RadiusField {
 }
 
 impl RadiusField {
+    /// The field of methods that gather nothing.
+    pub fn none() -> Self {
+        Self { radius_squared: Vec::new(), base_pass: 0, typical_radius_squared: 1.0 }
+    }
+
     /// `ρᵢ = R²ᵢ/R²` of pass `pass` relative to this field.
     pub fn scale_of_pass(&self, rule: RadiusRule, alpha: f64, pass: u32) -> f32 {
         (shrinkage(rule, alpha, pass) / shrinkage(rule, alpha, self.base_pass)) as f32

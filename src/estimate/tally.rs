@@ -1,10 +1,15 @@
-//! What a shard returns: sums and counts per pixel.
+//! What a shard returns: the planes and scalars that its method declares, as sums and counts.
+
+use std::sync::Arc;
 
 use bytemuck::{Pod, Zeroable};
 
+use super::declaration::{
+    Declaration, FLUX, INNER_FLUX, PHOTONS, PHOTONS_EMITTED, PlaneDeclaration, PlaneRule, RADIANCE, ScalarRule,
+};
 use super::shard::Shard;
 
-/// The sums of one pixel over the passes of a shard. Eight little-endian `f32` on the wire.
+/// The sums of one pixel while a shard is traced. Methods add passes to it; the tally keeps the declared planes of it.
 ///
 /// A pass `i` gathers with radius² `R²ᵢ = ρᵢ·R²` where `R²` is the pixel's value in the shard's radius field and `ρᵢ` is the
 /// same for all pixels; its counts and flux are divided by `ρᵢ` so that the sums all refer to `R²`.
@@ -17,47 +22,57 @@ pub struct PixelTally {
     pub flux: [f32; 3],
     /// Σ Mᵢ/ρᵢ: photons found.
     pub photons: f32,
-    /// Mean of the channels of the flux that was found inside half the disc's area, Σ Φ'ᵢ/ρᵢ, W·sr⁻¹. Tells the bias.
+    /// Mean of the channels of the flux that was found inside half the disc's area, Σ Φ'ᵢ/ρᵢ, W·sr⁻¹. The bias is estimated from it.
     pub inner_flux: f32,
 }
 
-/// What a shard returns: one [`PixelTally`] per pixel of its region in row order, and totals.
+/// The planes that [`PixelTally`] has sums for, each with the place of its first channel and the number of channels.
+const ACCUMULATED: [(&str, usize, usize); 4] = [(RADIANCE, 0, 3), (FLUX, 3, 3), (PHOTONS, 6, 1), (INNER_FLUX, 7, 1)];
+
+/// What a shard returns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tally {
     /// What was traced.
     pub shard: Shard,
     /// Picture width in pixels.
     pub width: u32,
-    /// Row-major, `shard.region.pixel_count(width)` entries.
-    pub pixels: Vec<PixelTally>,
-    /// Photons emitted, counted whether or not they were stored.
-    pub photons_emitted: u64,
-    /// Photons stored in maps, for rates and memory planning.
-    pub photons_stored: u64,
-    /// Rays traced, camera and photon and shadow together.
-    pub rays: u64,
-    /// Contributions dropped because they were not finite.
-    pub non_finite: u64,
+    /// What planes and scalars there are.
+    pub declaration: Arc<Declaration>,
+    /// As declared; each holds its channels one after the other, each channel the region's pixels in row order.
+    pub planes: Vec<Vec<f32>>,
+    /// As declared.
+    pub scalars: Vec<f64>,
 }
 
-/// A tally that does not fit its shard.
+/// A tally that does not fit its shard or its declaration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TallyError {
-    /// The pixel count is wrong.
-    #[error("tally has {found} pixels where its shard has {expected}")]
+    /// The size of a plane is wrong.
+    #[error("tally has {found} values where its shard has {expected}")]
     WrongSize {
-        /// Pixels the shard has.
+        /// Values the shard has.
         expected: usize,
-        /// Pixels that came.
+        /// Values that came.
         found: usize,
     },
+    /// Planes or scalars are missing or left over.
+    #[error("tally does not have the planes and scalars that its method declares")]
+    NotAsDeclared,
     /// A value is infinite, not a number or, for a count, negative.
     #[error("tally holds an impossible value ({value}) in {plane} of pixel {pixel}")]
     ImpossibleValue {
-        /// Which sum.
-        plane: &'static str,
+        /// The plane.
+        plane: String,
         /// Index in the region.
         pixel: usize,
+        /// The value as text.
+        value: String,
+    },
+    /// A scalar is not finite or, for a count, not a whole number.
+    #[error("tally holds an impossible number of {scalar} ({value})")]
+    ImpossibleScalar {
+        /// The scalar.
+        scalar: String,
         /// The value as text.
         value: String,
     },
@@ -66,58 +81,125 @@ pub enum TallyError {
     NothingEmitted,
 }
 
+/// Counts are whole numbers below this, where double precision still holds each of them.
+const COUNT_LIMIT: f64 = (1u64 << 53) as f64;
+
 impl Tally {
     /// A tally of zeros for `shard` in a picture `width` pixels wide.
-    pub fn zero(shard: Shard, width: u32) -> Self {
-        let pixels = vec![PixelTally::zeroed(); shard.region.pixel_count(width)];
-        Self { shard, width, pixels, photons_emitted: 0, photons_stored: 0, rays: 0, non_finite: 0 }
+    pub fn zero(shard: Shard, width: u32, declaration: &Arc<Declaration>) -> Self {
+        let pixels = shard.region.pixel_count(width);
+        let planes = declaration.planes.iter().map(|plane| vec![0.0; plane.channels * pixels]).collect();
+        let scalars = vec![0.0; declaration.scalars.len()];
+        Self { shard, width, declaration: declaration.clone(), planes, scalars }
+    }
+
+    /// The declared planes of accumulated pixels; planes that the accumulator has no sums for are 0.
+    pub fn from_pixels(shard: Shard, width: u32, declaration: &Arc<Declaration>, pixels: &[PixelTally]) -> Self {
+        let words: &[[f32; 8]] = bytemuck::cast_slice(pixels);
+        let plane = |declared: &PlaneDeclaration| match accumulated(declared) {
+            None => vec![0.0; declared.channels * pixels.len()],
+            Some(first) => {
+                let channels = first..first + declared.channels;
+                channels.flat_map(|word| words.iter().map(move |words| words[word])).collect()
+            }
+        };
+        let planes = declaration.planes.iter().map(plane).collect();
+        let scalars = vec![0.0; declaration.scalars.len()];
+        Self { shard, width, declaration: declaration.clone(), planes, scalars }
+    }
+
+    /// The inverse of [`Self::from_pixels`]; what is not declared is 0.
+    pub fn pixels(&self) -> Vec<PixelTally> {
+        let mut words = vec![[0.0f32; 8]; self.shard.region.pixel_count(self.width)];
+        for (declared, plane) in self.declaration.planes.iter().zip(&self.planes) {
+            let Some(first) = accumulated(declared) else { continue };
+            for (channel, values) in plane.chunks(words.len().max(1)).enumerate() {
+                words.iter_mut().zip(values).for_each(|(words, value)| words[first + channel] = *value);
+            }
+        }
+        bytemuck::cast_vec(words)
+    }
+
+    /// A plane by name.
+    pub fn plane_mut(&mut self, name: &str) -> Option<&mut Vec<f32>> {
+        self.declaration.plane(name).map(|index| &mut self.planes[index])
+    }
+
+    /// A scalar by name; 0 when it is not declared.
+    pub fn scalar(&self, name: &str) -> f64 {
+        self.declaration.scalar(name).and_then(|index| self.scalars.get(index)).copied().unwrap_or(0.0)
+    }
+
+    /// Sets a scalar. Nothing happens when it is not declared.
+    pub fn set_scalar(&mut self, name: &str, value: f64) {
+        if let Some(index) = self.declaration.scalar(name) {
+            self.scalars[index] = value;
+        }
     }
 
     /// Checks that every value is possible: right size, finite, counts not negative.
     pub fn check(&self) -> Result<(), TallyError> {
-        let expected = self.shard.region.pixel_count(self.width);
-        if self.pixels.len() != expected {
-            return Err(TallyError::WrongSize { expected, found: self.pixels.len() });
+        let declared = &self.declaration;
+        if (self.planes.len(), self.scalars.len()) != (declared.planes.len(), declared.scalars.len()) {
+            return Err(TallyError::NotAsDeclared);
         }
-        let dark = |pixel: &PixelTally| pixel.photons == 0.0 && pixel.flux == [0.0; 3] && pixel.inner_flux == 0.0;
-        if self.photons_emitted == 0 && !self.pixels.iter().all(dark) {
+        let pixels = self.shard.region.pixel_count(self.width);
+        for (declared, plane) in declared.planes.iter().zip(&self.planes) {
+            if plane.len() != declared.channels * pixels {
+                return Err(TallyError::WrongSize { expected: declared.channels * pixels, found: plane.len() });
+            }
+        }
+        self.check_scalars()?;
+        let gathered = declared.planes.iter().zip(&self.planes).filter(|(plane, _)| plane.needs_radius());
+        if self.scalar(PHOTONS_EMITTED) == 0.0 && !gathered.clone().all(|(_, plane)| is_dark(plane)) {
             return Err(TallyError::NothingEmitted);
         }
-        if all_possible(&self.pixels) {
-            return Ok(());
+        declared.planes.iter().zip(&self.planes).try_for_each(|(declared, plane)| check_values(declared, plane, pixels))
+    }
+
+    fn check_scalars(&self) -> Result<(), TallyError> {
+        for (declared, value) in self.declaration.scalars.iter().zip(&self.scalars) {
+            let is_possible = match declared.rule {
+                ScalarRule::Sum => value.is_finite(),
+                ScalarRule::Count => (0.0..COUNT_LIMIT).contains(value) && value.fract() == 0.0,
+            };
+            if !is_possible {
+                let (scalar, value) = (declared.name.clone(), value.to_string());
+                return Err(TallyError::ImpossibleScalar { scalar, value });
+            }
         }
-        match self.pixels.iter().position(|pixel| !pixel.is_possible()) {
-            None => Ok(()),
-            Some(pixel) => Err(self.pixels[pixel].impossible_value(pixel)),
-        }
+        Ok(())
     }
 }
 
-/// [`PixelTally::is_possible`] of all pixels at once, on bits, so that it runs as fast as memory is read.
-fn all_possible(pixels: &[PixelTally]) -> bool {
+/// Where the accumulator has the sums of a plane.
+fn accumulated(plane: &PlaneDeclaration) -> Option<usize> {
+    let is_same = |(name, _, channels): &&(&str, usize, usize)| *name == plane.name && *channels == plane.channels;
+    ACCUMULATED.iter().find(is_same).map(|(_, first, _)| *first)
+}
+
+fn is_dark(plane: &[f32]) -> bool {
+    plane.iter().all(|value| *value == 0.0)
+}
+
+/// Checks on bits first, so that it runs as fast as memory is read.
+fn check_values(declared: &PlaneDeclaration, plane: &[f32], pixels: usize) -> Result<(), TallyError> {
     const SIGN: u32 = 1 << 31;
     const INFINITY: u32 = 0x7f80_0000;
-    let largest = bytemuck::cast_slice::<_, u32>(pixels).iter().fold(0, |largest, bits| largest.max(bits & !SIGN));
-    let negative = pixels.iter().fold(0, |signs, pixel| signs | pixel.photons.to_bits()) & SIGN != 0;
-    largest < INFINITY && !negative
-}
-
-impl PixelTally {
-    fn is_possible(&self) -> bool {
-        let values: [f32; 8] = bytemuck::cast(*self);
-        values.iter().all(|value| value.is_finite()) && self.photons >= 0.0
+    let is_count = declared.rule == PlaneRule::Count;
+    let bits: &[u32] = bytemuck::cast_slice(plane);
+    let largest = bits.iter().fold(0, |largest, bits| largest.max(bits & !SIGN));
+    let negative = is_count && bits.iter().fold(0, |signs, bits| signs | bits) & SIGN != 0;
+    if largest < INFINITY && !negative {
+        return Ok(());
     }
-
-    fn impossible_value(&self, pixel: usize) -> TallyError {
-        let (photons, inner_flux) = ([self.photons], [self.inner_flux]);
-        let groups: [(_, &[f32]); 4] =
-            [("radiance", &self.radiance), ("flux", &self.flux), ("photons", &photons), ("inner flux", &inner_flux)];
-        let groups = groups
-            .map(|(plane, values)| (plane, values.iter().copied().find(|value| !value.is_finite() || *value < 0.0)));
-        let (plane, value) = groups
-            .into_iter()
-            .find_map(|(plane, value)| value.map(|value| (plane, value)))
-            .unwrap_or(("photons", self.photons));
-        TallyError::ImpossibleValue { plane, pixel, value: value.to_string() }
+    let is_impossible = |value: &f32| !value.is_finite() || (is_count && *value < 0.0);
+    match plane.iter().position(is_impossible) {
+        None => Ok(()),
+        Some(place) => Err(TallyError::ImpossibleValue {
+            plane: declared.name.clone(),
+            pixel: place % pixels,
+            value: plane[place].to_string(),
+        }),
     }
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::stopwatch::{Spent, Stopwatch, StopwatchError};
-use crate::estimate::{ErrorEstimate, Estimate, MergeError, Picture, RadiusField, Region, Shard};
+use crate::estimate::{ErrorEstimate, Estimate, EstimateError, MergeError, Picture, RadiusField, Region, Shard};
 use crate::method::{CheckedMethod, MethodError};
 use crate::render::{Cancelled, Renderer};
 use crate::scene::Scene;
@@ -21,6 +21,9 @@ pub enum RunError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// The pilot does not fit the picture.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
     /// A pass does not fit the estimate.
     #[error(transparent)]
     Merge(#[from] MergeError),
@@ -52,9 +55,9 @@ impl Run {
         let renderer = Renderer::new(scene.clone(), method, seed)?;
         let never = AtomicBool::new(false);
         let region = Region { row_start: 0, row_end: scene.height };
-        let first = renderer.pilot(&never)?.radius_squared;
-        let (rule, alpha) = (method.radius_rule, method.alpha);
-        let estimate = Estimate::new(scene.width, scene.height, &[region], &first, rule, alpha);
+        let pilot = renderer.pilot(&never)?;
+        let declaration = renderer.declaration().clone();
+        let estimate = Estimate::new(scene.width, scene.height, &[region], declaration, pilot.radius_squared())?;
         let field = estimate.radius_field(region);
         Ok(Self { renderer, region, estimate, field, never })
     }

@@ -11,7 +11,7 @@ use super::rules::plan::Plan;
 use super::rules::terms::{MeasuredError, MergedTotals};
 use super::snapshot::{FieldKey, Snapshot, SnapshotField};
 use super::wire::{messages, radius, result};
-use crate::estimate::{Estimate, RadiusField, RadiusRule, Tally};
+use crate::estimate::{Declaration, Estimate, EstimateError, RadiusField, Tally};
 use crate::render::Pilot;
 
 /// A radius field, as it is merged with and as it travels.
@@ -51,10 +51,16 @@ pub struct Merging {
 const LOOK_SHARE: u64 = 8;
 
 impl Merging {
-    /// Starts from the pilot's radii.
-    pub fn new(width: u32, height: u32, pilot: &Pilot, stop: &StopRule, rule: RadiusRule, alpha: f64) -> Self {
-        let plan = Plan::new(width, height, pilot.cost_per_pass, stop.passes, rule);
-        let estimate = Estimate::new(width, height, &plan.regions, &pilot.radius_squared, rule, alpha);
+    /// Starts from what the pilot found.
+    pub fn new(
+        width: u32,
+        height: u32,
+        pilot: &Pilot,
+        stop: &StopRule,
+        declaration: Arc<Declaration>,
+    ) -> Result<Self, EstimateError> {
+        let plan = Plan::new(width, height, pilot.cost_per_pass(), stop.passes, declaration.radius_rule);
+        let estimate = Estimate::new(width, height, &plan.regions, declaration, pilot.radius_squared())?;
         let mut merging = Self {
             plan,
             estimate,
@@ -68,7 +74,7 @@ impl Merging {
         };
         merging.take_fields(0);
         merging.keep_for_longer_jobs();
-        merging
+        Ok(merging)
     }
 
     /// All that is needed to go on from here, to the same bits. Early tallies are not part of it: their shards are traced again.
@@ -122,7 +128,7 @@ impl Merging {
     fn keep_for_longer_jobs(&mut self) {
         let shared = self.plan.shards_of_longer_jobs();
         if self.merged == shared && shared < self.plan.shard_count() {
-            self.resume = Some(self.snapshot().encode());
+            self.resume = self.snapshot().encode().ok();
         }
     }
 
@@ -140,7 +146,9 @@ impl Merging {
             && let Some(message) = self.waiting.remove(&self.merged)
         {
             let planned = self.plan.shard(self.merged).ok_or("a shard past the end of the job")?;
-            let tally = result::decode_tally(&message, planned.shard, self.plan.width).map_err(|e| e.to_string())?;
+            let declaration = self.estimate.declaration();
+            let tally = result::decode_tally(&message, planned.shard, self.plan.width, declaration);
+            let tally = tally.map_err(|problem| problem.to_string())?;
             self.merge(&tally)?;
         }
         Ok(())
@@ -205,7 +213,7 @@ impl Merging {
             shards: self.merged,
             passes: self.estimate.passes(),
             photons_emitted: self.estimate.photons_emitted(),
-            non_finite: self.estimate.non_finite,
+            non_finite: self.estimate.non_finite(),
             error: self.error,
             good_enough: self.is_good_enough(),
         }

@@ -56,5 +56,6 @@ pub const ENTRY: MethodEntry = MethodEntry {
     strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
     blind_to: blind_to_nothing,
     check: |choice, pixels| RECIPE.check(choice, pixels),
+    declare: |method| RECIPE.declare(method),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };

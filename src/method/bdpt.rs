@@ -37,6 +37,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
+    declare: |method| RECIPE.declare(method),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
 

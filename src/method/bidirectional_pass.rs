@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use super::bidirectional_parameters::BidirectionalParameters;
 use super::parameters::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PreparedMethod, Strategy};
-use crate::estimate::{PixelTally, Region};
+use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PilotPass, PreparedMethod, Strategy};
+use crate::estimate::{Declaration, PixelTally, Region};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, Stream, dimension};
 use crate::scene::Scene;
@@ -53,6 +53,14 @@ impl Recipe {
         let parameters = BidirectionalParameters::read(self.name, choice, self.parameters)?;
         let techniques = (self.techniques)(&parameters);
         Ok(parameters.checked(self.name, self.parameters, techniques, pixels))
+    }
+
+    /// What tallies of a checked choice hold: without merging, radiance alone.
+    pub fn declare(&self, method: &CheckedMethod) -> Result<Declaration, MethodError> {
+        let parameters = BidirectionalParameters::read(self.name, &method.choice, self.parameters)?;
+        let merges = (self.techniques)(&parameters).any(Techniques::MERGE);
+        let declare = if merges { Declaration::gathering } else { Declaration::radiance_only };
+        Ok(declare(method.radius_rule, method.alpha))
     }
 
     /// Prepares a checked choice for a scene.
@@ -168,12 +176,12 @@ impl BidirectionalPasses {
 
     /// ηᵝ of a pixel, counted in the region.
     fn acceptance(&self, pass: &Pass<'_>, pixel: usize) -> f32 {
-        let radius_squared = pass.radius_squared[pixel] * pass.scale;
-        match (self.uses(Techniques::MERGE), self.neighbors) {
-            (false, _) => 0.0,
-            (true, 0) => self.weighting.acceptance(radius_squared),
-            (true, _) => self.weighting.acceptance(radius_squared / SEARCHED_AREA),
+        if !self.uses(Techniques::MERGE) {
+            return 0.0;
         }
+        let radius_squared = pass.radius_squared[pixel] * pass.scale;
+        let area_share = if self.neighbors == 0 { radius_squared } else { radius_squared / SEARCHED_AREA };
+        self.weighting.acceptance(area_share)
     }
 
     /// Traces the light subpaths `paths`.
@@ -356,7 +364,7 @@ impl PreparedMethod for BidirectionalPasses {
         (!cancel.load(Ordering::Relaxed)).then_some(total)
     }
 
-    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+    fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
         if self.uses(Techniques::MERGE) {
             let (mut radii, counters) = self.pilot.pilot(cancel)?;
             if self.pilot.first_radius == Auto::Auto {
@@ -366,13 +374,12 @@ impl PreparedMethod for BidirectionalPasses {
                 };
                 radii.iter_mut().for_each(|radius_squared| *radius_squared *= share);
             }
-            return Some((radii, counters));
+            return Some(PilotPass::with_radii(radii, counters));
         }
         // There is no radius to find; a pass tells what passes cost.
-        let radii = vec![1.0; self.scene.pixel_count()];
         let region = Region { row_start: 0, row_end: self.scene.height };
-        let pass = Pass { index: u32::MAX, region, radius_squared: &radii, scale: 1.0, typical_radius_squared: 1.0 };
-        let counters = self.trace_pass(&pass, &mut vec![PixelTally::default(); radii.len()], cancel)?;
-        Some((radii, counters))
+        let pass = Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0 };
+        let mut nobody_looks = vec![PixelTally::default(); self.scene.pixel_count()];
+        Some(PilotPass::without_fields(self.trace_pass(&pass, &mut nobody_looks, cancel)?))
     }
 }

@@ -31,6 +31,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     strategies: None,
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),
+    declare: |method| RECIPE.declare(method),
     prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
 };
 

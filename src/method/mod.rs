@@ -20,7 +20,7 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{PixelTally, RadiusRule, Region};
+use crate::estimate::{Declaration, PixelTally, RadiusRule, Region};
 use crate::scene::Scene;
 use crate::scene::error::nearest_name;
 use crate::scene::material::Lobes;
@@ -52,6 +52,8 @@ pub struct MethodEntry {
     blind_to: fn(&CheckedMethod, SceneTraits) -> Option<&'static str>,
     /// Checks parameters for a picture of so many pixels and writes every default out.
     check: fn(&MethodChoice, u64) -> Result<CheckedMethod, MethodError>,
+    /// What the tallies of a checked choice hold.
+    declare: fn(&CheckedMethod) -> Result<Declaration, MethodError>,
     /// Prepares the method for a scene.
     prepare: PrepareMethod,
 }
@@ -136,12 +138,46 @@ fn blind_to_nothing(_: &CheckedMethod, _: SceneTraits) -> Option<&'static str> {
 
 /// A method prepared for one scene, with its parameters and the job's seed. Every function is pure.
 pub trait PreparedMethod: Send + Sync {
-    /// Adds pass `pass` to `pixels` (the region's, in row order); `None` when `cancel` was set meanwhile, and then `pixels`
+    /// Adds pass `pass` to `pixels` (the region's, in row order), in the sums that the method declares; `None` when `cancel` was set meanwhile, and then `pixels`
     /// are of no use. Runs on the calling rayon pool.
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters>;
 
-    /// Finds the first radius² of every pixel of the picture, m², and counts what a pass costs; `None` when cancelled.
-    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)>;
+    /// Finds what is needed before the first pass, and counts what a pass costs; `None` when cancelled.
+    fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass>;
+}
+
+/// The name of the pilot's field of first radii², m², one per pixel of the picture.
+pub const FIRST_RADIUS_SQUARED: &str = "first_radius_squared";
+
+/// Numbers that a pilot finds, by name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PilotField {
+    /// What they are, for example [`FIRST_RADIUS_SQUARED`].
+    pub name: String,
+    /// One per pixel, or as many as the method needs.
+    pub values: Vec<f32>,
+}
+
+/// What a pilot finds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PilotPass {
+    /// What passes need: first radii where the method gathers.
+    pub fields: Vec<PilotField>,
+    /// What a pass costs.
+    pub counters: Counters,
+}
+
+impl PilotPass {
+    /// First radii² of all pixels, and what a pass costs.
+    pub fn with_radii(radius_squared: Vec<f32>, counters: Counters) -> Self {
+        let field = PilotField { name: FIRST_RADIUS_SQUARED.to_owned(), values: radius_squared };
+        Self { fields: vec![field], counters }
+    }
+
+    /// A method without radii has only costs to find.
+    pub fn without_fields(counters: Counters) -> Self {
+        Self { fields: Vec::new(), counters }
+    }
 }
 
 /// One pass of a region.
@@ -151,7 +187,7 @@ pub struct Pass<'a> {
     pub index: u32,
     /// The pixels.
     pub region: Region,
-    /// R² of the region's pixels in its radius field, m².
+    /// R² of the region's pixels in its radius field, m²; empty for methods that gather nothing.
     pub radius_squared: &'a [f32],
     /// ρ: this pass gathers with ρ·R² and divides flux and counts by ρ.
     pub scale: f32,
@@ -277,6 +313,16 @@ pub fn theory_rate(method: &CheckedMethod) -> Result<f64, MethodError> {
         Bias::None | Bias::Shrinks | Bias::TakenOver => -1.0,
         Bias::Stays => 0.0,
     })
+}
+
+/// What the tallies of a checked method hold.
+pub fn declaration(method: &CheckedMethod) -> Result<Arc<Declaration>, MethodError> {
+    (entry(&method.choice.name)?.declare)(method).map(Arc::new)
+}
+
+/// The declaration of methods that gather whatever their parameters are.
+fn declare_gathering(method: &CheckedMethod) -> Result<Declaration, MethodError> {
+    Ok(Declaration::gathering(method.radius_rule, method.alpha))
 }
 
 /// Prepares a checked method for a scene.

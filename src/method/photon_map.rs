@@ -44,8 +44,10 @@ use serde_json::Value;
 
 use super::parameters::{self, Auto, ParameterHelp, ParameterSet, help};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
-use crate::estimate::{PixelTally, RadiusRule, Region};
+use super::{
+    Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PilotPass, PreparedMethod, blind_to_nothing,
+};
+use crate::estimate::{Declaration, PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension, spread};
 use crate::scene::Scene;
@@ -74,6 +76,8 @@ pub const ENTRY: MethodEntry = MethodEntry {
     strategies: None,
     blind_to: blind_to_nothing,
     check,
+    // There is no radius per pixel: what is gathered is radiance at once.
+    declare: |method| Ok(Declaration::radiance_only(method.radius_rule, method.alpha)),
     prepare,
 };
 
@@ -383,15 +387,13 @@ impl PreparedMethod for TwoPasses {
         self.trace([Stream::Photon, Stream::Camera], pass, pixels, cancel)
     }
 
-    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+    fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
         let region = Region { row_start: 0, row_end: self.scene.height };
         let count = self.scene.pixel_count();
-        // No pixel has a radius; 1 stands for it.
-        let radii = vec![1.0; count];
-        let pass = Pass { index: PILOT_PASS, region, radius_squared: &radii, scale: 1.0, typical_radius_squared: 1.0 };
+        let pass = Pass { index: PILOT_PASS, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0 };
         let mut nobody_looks = vec![PixelTally::default(); count];
         let mut counters = self.trace([Stream::PilotPhoton, Stream::PilotCamera], &pass, &mut nobody_looks, cancel)?;
         counters.rays += count as u64 * (1 + u64::from(self.gather_rays)) * RAYS_PER_LOOKUP;
-        Some((radii, counters))
+        Some(PilotPass::without_fields(counters))
     }
 }

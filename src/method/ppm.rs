@@ -22,7 +22,10 @@ use rayon::prelude::*;
 
 use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
+use super::{
+    Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PilotPass, PreparedMethod, blind_to_nothing,
+    declare_gathering,
+};
 use crate::estimate::{PixelTally, Region};
 use crate::math::octahedral;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
@@ -57,6 +60,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     strategies: None,
     blind_to: blind_to_nothing,
     check,
+    declare: declare_gathering,
     prepare,
 };
 
@@ -347,7 +351,7 @@ impl PreparedMethod for Ppm {
         (!cancel.load(Ordering::Relaxed)).then_some(total)
     }
 
-    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
+    fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
         let (map, mut total) = self.passes.pilot_map(cancel)?;
         let scene = &*self.passes.scene;
         let region = Region { row_start: 0, row_end: scene.height };
@@ -365,7 +369,7 @@ impl PreparedMethod for Ppm {
             .collect();
         total.rays += 2 * hit_points.points.len() as u64;
         let filled = self.passes.complete_first_radii(&mut radii);
-        (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
+        (!cancel.load(Ordering::Relaxed)).then(|| PilotPass::with_radii(filled, total))
     }
 }
 

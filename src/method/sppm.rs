@@ -22,7 +22,10 @@ use rayon::prelude::*;
 
 use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PreparedMethod, blind_to_nothing};
+use super::{
+    Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PilotPass, PreparedMethod, blind_to_nothing,
+    declare_gathering,
+};
 use crate::estimate::PixelTally;
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
@@ -44,6 +47,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     strategies: None,
     blind_to: blind_to_nothing,
     check,
+    declare: declare_gathering,
     prepare,
 };
 
@@ -108,7 +112,8 @@ impl PreparedMethod for Sppm {
         (!cancel.load(Ordering::Relaxed)).then_some(total)
     }
 
-    fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
-        self.passes.pilot(cancel)
+    fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
+        let (radii, counters) = self.passes.pilot(cancel)?;
+        Some(PilotPass::with_radii(radii, counters))
     }
 }

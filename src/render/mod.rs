@@ -5,8 +5,9 @@ pub mod first_surface;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::estimate::{RadiusField, RadiusRule, Shard, Tally};
-use crate::method::{self, CheckedMethod, MethodError, Pass, PreparedMethod};
+use crate::estimate::declaration::{NON_FINITE, PHOTONS_EMITTED, PHOTONS_STORED, RAYS};
+use crate::estimate::{Declaration, PixelTally, RadiusField, Shard, Tally};
+use crate::method::{self, CheckedMethod, FIRST_RADIUS_SQUARED, MethodError, Pass, PilotField, PreparedMethod};
 use crate::scene::Scene;
 use crate::transport::Counters;
 
@@ -18,39 +19,74 @@ pub struct Cancelled;
 /// What the pilot finds out before the first pass; a worker runs it like a shard.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pilot {
-    /// First gather radius² per pixel of the whole picture, m².
-    pub radius_squared: Vec<f32>,
-    /// What one pass of the whole picture costs, in nominal microseconds of one core: counted rays, photons and gathers
-    /// times fixed constants, never measured time.
-    pub cost_per_pass: u64,
+    /// Numbers by name: first radii where the method gathers, and whatever else its passes need.
+    pub fields: Vec<PilotField>,
+    /// Counts by name, [`COST_PER_PASS`] among them.
+    pub counts: Vec<(String, u64)>,
+}
+
+/// The name of a pilot's count of what one pass of the whole picture costs, in nominal microseconds of one core: counted rays, photons
+/// and gathers times fixed constants, never measured time.
+pub const COST_PER_PASS: &str = "cost_per_pass";
+
+impl Pilot {
+    /// A pilot that found `fields`, and that a pass costs so much.
+    pub fn new(fields: Vec<PilotField>, cost_per_pass: u64) -> Self {
+        Self { fields, counts: vec![(COST_PER_PASS.to_owned(), cost_per_pass)] }
+    }
+
+    /// A field by name.
+    pub fn field(&self, name: &str) -> Option<&[f32]> {
+        self.fields.iter().find(|field| field.name == name).map(|field| field.values.as_slice())
+    }
+
+    /// A count by name.
+    pub fn count(&self, name: &str) -> Option<u64> {
+        self.counts.iter().find(|(counted, _)| counted == name).map(|(_, count)| *count)
+    }
+
+    /// First gather radius² per pixel of the whole picture, m²; empty where the method gathers nothing.
+    pub fn radius_squared(&self) -> &[f32] {
+        self.field(FIRST_RADIUS_SQUARED).unwrap_or_default()
+    }
+
+    /// See [`COST_PER_PASS`].
+    pub fn cost_per_pass(&self) -> u64 {
+        self.count(COST_PER_PASS).unwrap_or(1)
+    }
 }
 
 /// A job ready to be traced on this machine: prepared scene, checked method, seed. Every function is pure.
 pub struct Renderer {
     scene: Arc<Scene>,
     method: Box<dyn PreparedMethod>,
-    radius_rule: RadiusRule,
-    alpha: f64,
+    declaration: Arc<Declaration>,
 }
 
 impl Renderer {
     /// Prepares `method` for `scene`.
     pub fn new(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Self, MethodError> {
-        let (radius_rule, alpha) = (method.radius_rule, method.alpha);
-        Ok(Self { method: method::prepare(scene.clone(), method, seed)?, scene, radius_rule, alpha })
+        let declaration = method::declaration(method)?;
+        Ok(Self { method: method::prepare(scene.clone(), method, seed)?, scene, declaration })
+    }
+
+    /// What its tallies hold.
+    pub fn declaration(&self) -> &Arc<Declaration> {
+        &self.declaration
     }
 
     /// Finds first radii and costs, on the calling rayon pool.
     pub fn pilot(&self, cancel: &AtomicBool) -> Result<Pilot, Cancelled> {
-        let (radius_squared, counters) = self.method.pilot(cancel).ok_or(Cancelled)?;
-        Ok(Pilot { cost_per_pass: nominal_cost(&counters, radius_squared.len()), radius_squared })
+        let found = self.method.pilot(cancel).ok_or(Cancelled)?;
+        Ok(Pilot::new(found.fields, nominal_cost(&found.counters, self.scene.pixel_count())))
     }
 
-    /// Traces a shard with the radii of `field` (one per pixel of the shard's region), on the calling rayon pool.
+    /// Traces a shard with the radii of `field` (one per pixel of the shard's region where the method gathers), on the calling rayon pool.
     pub fn trace(&self, shard: Shard, field: &RadiusField, cancel: &AtomicBool) -> Result<Tally, Cancelled> {
-        let mut tally = Tally::zero(shard, self.scene.width);
+        let mut pixels = vec![PixelTally::default(); shard.region.pixel_count(self.scene.width)];
+        let mut total = Counters::default();
         for index in shard.pass_indices() {
-            let scale = field.scale_of_pass(self.radius_rule, self.alpha, index);
+            let scale = field.scale_of_pass(self.declaration.radius_rule, self.declaration.alpha, index);
             let pass = Pass {
                 index,
                 region: shard.region,
@@ -58,12 +94,13 @@ impl Renderer {
                 scale,
                 typical_radius_squared: field.typical_radius_squared * scale,
             };
-            let counters = self.method.trace_pass(&pass, &mut tally.pixels, cancel).ok_or(Cancelled)?;
-            tally.photons_emitted += counters.photons_emitted;
-            tally.photons_stored += counters.photons_stored;
-            tally.rays += counters.rays;
-            tally.non_finite += counters.non_finite;
+            total += self.method.trace_pass(&pass, &mut pixels, cancel).ok_or(Cancelled)?;
         }
+        let mut tally = Tally::from_pixels(shard, self.scene.width, &self.declaration, &pixels);
+        tally.set_scalar(PHOTONS_EMITTED, total.photons_emitted as f64);
+        tally.set_scalar(PHOTONS_STORED, total.photons_stored as f64);
+        tally.set_scalar(RAYS, total.rays as f64);
+        tally.set_scalar(NON_FINITE, total.non_finite as f64);
         Ok(tally)
     }
 }

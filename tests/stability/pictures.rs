@@ -70,7 +70,7 @@ fn seed() -> u64 {
 /// Renders; nothing may be other than finite.
 pub(crate) fn estimate(scene: &Arc<Scene>, method: &str, parameters: &str, passes: u32) -> Estimate {
     let estimate = Job::with_seed(scene, method, parameters, seed()).run(passes, 8);
-    assert_eq!(estimate.non_finite, 0, "{method} {parameters}");
+    assert_eq!(estimate.non_finite(), 0, "{method} {parameters}");
     estimate
 }
 

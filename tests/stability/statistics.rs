@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::radius::shrinkage;
-use photonfarm::estimate::{Estimate, PixelTally, RadiusRule, Region, Shard, Tally};
+use photonfarm::estimate::{Declaration, Estimate, PixelTally, RadiusRule, Region, Shard, Tally};
 use photonfarm::scene::Scene;
 
 use crate::pictures::{assert_close, camera, estimate, glow, grays, matte, mean, picture, relative_error, room, scene};
@@ -14,12 +15,15 @@ const ALPHA: f64 = 2.0 / 3.0;
 
 /// A picture of one pixel, gathering in discs of 1 m² over π.
 fn single_pixel(rule: RadiusRule, alpha: f64) -> Estimate {
-    Estimate::new(1, 1, &[PIXEL], &[1.0], rule, alpha)
+    let declaration = Arc::new(Declaration::gathering(rule, alpha));
+    Estimate::new(1, 1, &[PIXEL], declaration, &[1.0]).expect("one radius for one pixel")
 }
 
-fn one_pass(pass: u32, photons: u64, pixel: PixelTally) -> Tally {
+fn one_pass(estimate: &Estimate, pass: u32, photons: u64, pixel: PixelTally) -> Tally {
     let shard = Shard { first_pass: pass, passes: 1, region: PIXEL };
-    Tally { pixels: vec![pixel], photons_emitted: photons, ..Tally::zero(shard, 1) }
+    let mut tally = Tally::from_pixels(shard, 1, estimate.declaration(), &[pixel]);
+    tally.set_scalar(PHOTONS_EMITTED, photons as f64);
+    tally
 }
 
 /// A tenth cannot be written in binary: sums of a million of them in single precision are 1 % off.
@@ -34,11 +38,11 @@ fn a_million_passes_lose_nothing() {
         let area = field.radius_squared[0];
         let flux = [0.1 * area; 3];
         let pixel = PixelTally { radiance: [0.1; 3], flux, photons: density * area, inner_flux: 0.05 * area };
-        found.merge(&one_pass(pass, emitted, pixel), &field).expect("tallies come in order");
+        found.merge(&one_pass(&found, pass, emitted, pixel), &field).expect("tallies come in order");
     }
     let expected = f64::from(0.1f32) * (1.0 + 1.0 / (PI * emitted as f64));
     assert_close(f64::from(found.picture().radiance[0][0]), expected, 1e-6, "radiance after a million passes");
-    let pixel = found.pixels[0];
+    let pixel = found.pixel(0);
     let shrunk = shrinkage(RadiusRule::Statistics, ALPHA, PASSES);
     assert_close(pixel.radius_squared, shrunk, 1e-6, "radius² after a million passes");
     assert_close(pixel.photons, f64::from(density) * shrunk * f64::from(PASSES), 1e-6, "photons");
@@ -50,10 +54,10 @@ fn a_pixel_without_photons_stays_black_and_keeps_its_radius() {
     let mut found = single_pixel(RadiusRule::Statistics, ALPHA);
     for pass in 0..1000 {
         let field = found.radius_field(PIXEL);
-        found.merge(&one_pass(pass, 1000, PixelTally::default()), &field).expect("tallies come in order");
+        found.merge(&one_pass(&found, pass, 1000, PixelTally::default()), &field).expect("tallies come in order");
     }
     assert_eq!(found.picture().radiance, [[0.0; 3]]);
-    assert_eq!((found.pixels[0].radius_squared, found.pixels[0].photons), (1.0, 0.0));
+    assert_eq!((found.pixel(0).radius_squared, found.pixel(0).photons), (1.0, 0.0));
 }
 
 /// One photon among 1000 passes: N = α, R² = α·R₁², and L = Φ/(π·R₁²·E).
@@ -64,9 +68,9 @@ fn a_pixel_with_one_photon_is_what_the_formula_says() {
         let field = found.radius_field(PIXEL);
         let count = if pass == 500 { 1.0 } else { 0.0 };
         let pixel = PixelTally { flux: [3.0 * count; 3], photons: count, ..PixelTally::default() };
-        found.merge(&one_pass(pass, 1000, pixel), &field).expect("tallies come in order");
+        found.merge(&one_pass(&found, pass, 1000, pixel), &field).expect("tallies come in order");
     }
-    let pixel = found.pixels[0];
+    let pixel = found.pixel(0);
     assert!((pixel.photons - ALPHA).abs() < 1e-12 && (pixel.radius_squared - ALPHA).abs() < 1e-12, "{pixel:?}");
     assert_close(f64::from(found.picture().radiance[0][0]), 3.0 / (PI * 1e6), 1e-6, "radiance of one photon");
 }
@@ -81,7 +85,7 @@ fn radii_never_become_zero() {
                 let field = found.radius_field(PIXEL);
                 let area = field.radius_squared[0];
                 let pixel = PixelTally { flux: [area; 3], photons: 5.0 * area, ..PixelTally::default() };
-                found.merge(&one_pass(pass, 1000, pixel), &field).expect("tallies come in order");
+                found.merge(&one_pass(&found, pass, 1000, pixel), &field).expect("tallies come in order");
             }
             let radius_squared = found.radius_field(PIXEL).radius_squared[0];
             let radiance = found.picture().radiance[0][0];
@@ -148,7 +152,7 @@ fn passes_of_a_single_photon_shrink_no_radius_in_vain() {
     let found = estimate(&furnace(), "sppm", r#"{"photons_per_pass": 1, "direct": "photons"}"#, 16);
     let first = estimate(&furnace(), "sppm", r#"{"photons_per_pass": 1, "direct": "photons"}"#, 1);
     let values = grays(&found.picture());
-    let unseen = values.iter().zip(&found.pixels).zip(&first.pixels);
+    let unseen = values.iter().zip(found.pixels()).zip(first.pixels());
     let mut black = 0;
     for ((value, pixel), before) in unseen.filter(|((_, pixel), _)| pixel.photons == 0.0) {
         assert_eq!((*value > 0.3, pixel.radius_squared), (false, before.radius_squared));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use photonfarm::estimate::{Estimate, Region, Shard};
-use photonfarm::method::{CheckedMethod, MethodChoice, check};
+use photonfarm::method::{CheckedMethod, MethodChoice, check, declaration};
 use photonfarm::render::Renderer;
 use photonfarm::scene::Scene;
 use photonfarm::scene::import::load_file;
@@ -53,8 +53,8 @@ impl Job {
     pub(crate) fn begin(&self) -> Estimate {
         let pilot = self.renderer.pilot(&self.never).expect("nobody cancels");
         let (width, height) = (self.scene.width, self.scene.height);
-        let (rule, alpha) = (self.method.radius_rule, self.method.alpha);
-        Estimate::new(width, height, &[self.region()], &pilot.radius_squared, rule, alpha)
+        let declaration = declaration(&self.method).expect("the method was checked");
+        Estimate::new(width, height, &[self.region()], declaration, pilot.radius_squared()).expect("the pilot fits")
     }
 
     /// Traces `passes` passes and merges them. The passes of an epoch are shards of one pass with the same radius field.

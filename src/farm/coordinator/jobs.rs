@@ -17,6 +17,7 @@ use crate::farm::rules::Event;
 use crate::farm::rules::terms::Terms;
 use crate::farm::store::jobs::Snapshots;
 use crate::farm::wire::lease::{ChoiceTerms, JobDescription};
+use crate::method::{self, CheckedMethod};
 
 /// What of a job may change at any time. What is `None` stays.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,11 +76,6 @@ impl Shared {
     fn agree(&self, request: &JobRequest, scene: &SceneRecord) -> Result<(JobDescription, Terms), FarmError> {
         let (width, height) = (scene.summary.width, scene.summary.height);
         let pixels = u64::from(width) * u64::from(height);
-        let memory = pixels * STATE_BYTES_PER_PIXEL;
-        let limit = self.options.limits.job_memory;
-        if memory > limit {
-            return Err(FarmError::TooLarge { what: "the memory in bytes that the job needs", found: memory, limit });
-        }
         let chooses_method = request::asks_for_auto(request);
         let mut notices = scene.summary.notices.clone();
         let (method, stop) = if chooses_method {
@@ -93,6 +89,11 @@ impl Shared {
             let stop = request::resolve_stop(request.stop, &resolved.method)?;
             (Some(resolved.method), stop)
         };
+        let memory = pixels * bytes_per_pixel(method.as_ref());
+        let limit = self.options.limits.job_memory;
+        if memory > limit {
+            return Err(FarmError::TooLarge { what: "the memory in bytes that the job needs", found: memory, limit });
+        }
         let (scene, seed) = (request.scene.clone(), request.seed);
         let description = JobDescription { id: JobId::new(0), scene, method, seed, width, height };
         Ok((description, Terms { stop, priority: request.priority, memory, chooses_method, notices }))
@@ -126,5 +127,16 @@ impl Shared {
     }
 }
 
-/// Bytes of memory a pixel: the estimate of two twins, the radius fields of three epochs, and room for a snapshot.
-const STATE_BYTES_PER_PIXEL: u64 = 128 + 3 * 4 + 64;
+/// Bytes of memory a pixel that a running job needs: its estimate, a copy of it for snapshots, and radius fields of three epochs.
+fn bytes_per_pixel(method: Option<&CheckedMethod>) -> u64 {
+    /// Two twins of a radiance.
+    const RADIANCE: u64 = 2 * 3 * 8;
+    /// The same with flux, inner flux, radius and photons.
+    const GATHERING: u64 = 128;
+    const FIELDS: u64 = 3 * 4;
+    let declaration = method.and_then(|method| method::declaration(method).ok());
+    match declaration {
+        Some(declaration) if !declaration.has_radii() => 2 * RADIANCE,
+        _ => 2 * GATHERING + FIELDS,
+    }
+}

@@ -198,7 +198,7 @@ impl Keeper {
                 let merging = lock(&record.merging);
                 merging.as_ref().filter(|merging| merging.is_of_longer_jobs()).map(|merging| merging.snapshot())
             };
-            snapshot.map(|snapshot| (snapshot.merged, snapshot.encode()))
+            snapshot.and_then(|snapshot| Some((snapshot.merged, snapshot.encode().ok()?)))
         });
         if let Ok(Some((merged, bytes))) = encoded.await {
             let name = BlobName::of_snapshot(job.id, merged, &bytes);
@@ -224,9 +224,9 @@ impl Keeper {
             let record = job.clone();
             let encoded = tokio::task::spawn_blocking(move || {
                 let merging = lock(&record.merging);
-                merging.as_ref().map(|merging| {
+                merging.as_ref().and_then(|merging| {
                     let resume = merging.resume_snapshot().map(<[u8]>::to_vec);
-                    (merging.merged(), merging.snapshot().encode(), resume)
+                    Some((merging.merged(), merging.snapshot().encode().ok()?, resume))
                 })
             });
             if let Ok(Some((merged, bytes, resume))) = encoded.await {

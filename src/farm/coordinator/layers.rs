@@ -117,12 +117,12 @@ fn is_of_first_surface(layer: Layer) -> bool {
 
 /// A layer that the estimate holds.
 fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
-    let pixels = estimate.pixels.iter();
+    let pixels = (0..estimate.pixel_count()).map(|pixel| estimate.pixel(pixel));
     let values = match layer {
         Layer::Radius => pixels.map(|pixel| pixel.radius_squared.sqrt() as f32).collect(),
         Layer::Photons => pixels.map(|pixel| pixel.photons as f32).collect(),
         // Nothing is known before each twin has a pass.
-        Layer::Error => estimate.standard_error().unwrap_or_else(|| vec![f32::NAN; estimate.pixels.len()]),
+        Layer::Error => estimate.standard_error().unwrap_or_else(|| vec![f32::NAN; estimate.pixel_count()]),
         Layer::Albedo | Layer::Normal | Layer::Depth => return None,
     };
     Some(PictureLayer { layer, channels: vec![values] })

@@ -12,6 +12,7 @@ use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Event, Outcome};
 use crate::farm::wire::messages;
+use crate::method;
 use crate::render::Pilot;
 use crate::render::first_surface::FirstSurface;
 
@@ -129,10 +130,11 @@ impl Shared {
             (facts.description.clone(), facts.terms.stop)
         };
         let method = description.method.ok_or("a pilot came before the method was chosen")?;
+        let declaration = method::declaration(&method).map_err(|problem| problem.to_string())?;
         let (width, height) = (description.width, description.height);
-        let merging = Merging::new(width, height, pilot, &stop, method.radius_rule, method.alpha);
+        let merging = Merging::new(width, height, pilot, &stop, declaration).map_err(|problem| problem.to_string())?;
         let plan = merging.plan.clone();
-        tracing::info!(job = %job.id, cost_per_pass = pilot.cost_per_pass, ?plan, "pilot done");
+        tracing::info!(job = %job.id, cost_per_pass = pilot.cost_per_pass(), ?plan, "pilot done");
         self.apply(Event::PilotDone { job: job.id, plan });
         Ok(merging)
     }

@@ -1,19 +1,23 @@
 //! What happens to a result: it is decoded and judged without locks, then the coordinator takes it or does not.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 
 use axum::http::StatusCode;
 use prost::Message;
 
 use super::problem::Problem;
+use crate::estimate::Declaration;
 use crate::farm::coordinator::{Delivered, Delivery, JobRecord, Payload, Shared};
 use crate::farm::ids::{Fencing, LeaseId, WorkerId};
 use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Outcome};
+use crate::farm::wire::lease::JobDescription;
 use crate::farm::wire::messages::result_request::Outcome as Sent;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
 use crate::farm::wire::{WireError, first_surfaces, result};
+use crate::method;
 
 /// Takes a worker's result. Blocks while it decodes and merges.
 pub(super) fn deliver(shared: &Shared, request: ResultRequest) -> Result<ResultResponse, Problem> {
@@ -58,15 +62,26 @@ fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Sent>) -> Result<Payl
         (Work::Choice, Sent::Choice(messages::Choice { method, reason })) => {
             Ok(Payload::Choice { method, reason: shorten(&reason) })
         }
-        (Work::Pilot, Sent::Pilot(message)) => Ok(Payload::Pilot(result::decode_pilot(&message, pixels)?)),
+        (Work::Pilot, Sent::Pilot(message)) => {
+            Ok(Payload::Pilot(result::decode_pilot(&message, pixels, &*declaration(&description)?)?))
+        }
         (Work::Shard(_, planned) | Work::Check(_, planned), Sent::Tally(message)) => {
-            Ok(Payload::Tally(result::decode_checked_tally(&message, planned.shard, width)?, message))
+            let declaration = declaration(&description)?;
+            let tally = result::decode_checked_tally(&message, planned.shard, width, &declaration)?;
+            Ok(Payload::Tally(tally, message))
         }
         (Work::FirstSurfaces, Sent::FirstSurfaces(message)) => {
             Ok(Payload::FirstSurfaces(first_surfaces::decode(&message, pixels)?))
         }
         _ => Err(WireError::Impossible { field: "outcome", problem: "it is of another kind than the lease".into() }),
     }
+}
+
+/// What the tallies of a job hold.
+fn declaration(job: &JobDescription) -> Result<Arc<Declaration>, WireError> {
+    let method = job.method.as_ref().ok_or(WireError::Missing("method"))?;
+    method::declaration(method)
+        .map_err(|problem| WireError::Impossible { field: "method", problem: problem.to_string() })
 }
 
 /// All bits of a tally. Equal builds compress alike, so the message says as much as the numbers.

@@ -187,7 +187,7 @@ async fn radius_field(
         blocking(move || Ok(lock(&job.merging).as_ref().and_then(|merging| merging.field_message(epoch, region))));
     let missing = || Problem::new(StatusCode::NOT_FOUND, format!("no radii of epoch {epoch}, region {region}"));
     let message = message.await?.ok_or_else(missing)?;
-    let mut response = message.into_response();
+    let mut response = Bytes::from_owner(message).into_response();
     response.headers_mut().insert(header::CONTENT_TYPE, HeaderValue::from_static("application/x-protobuf"));
     if let Ok(tag) = HeaderValue::from_str(&tag) {
         response.headers_mut().insert(header::ETAG, tag);

@@ -10,24 +10,25 @@ const WORDS: usize = 7;
 
 /// To the message.
 pub fn encode(seen: &[FirstSurface]) -> messages::FirstSurfaces {
-    let record = |pixel: &FirstSurface| {
-        let ([r, g, b], [x, y, z]) = (pixel.albedo.to_array(), pixel.normal.to_array());
-        [r, g, b, x, y, z, pixel.depth]
-    };
-    let records: Vec<[f32; WORDS]> = seen.iter().map(record).collect();
-    messages::FirstSurfaces { pixels: planes::compress(&records).into() }
+    let channel = |channel: usize| seen.iter().map(move |pixel| record(pixel)[channel]);
+    let values: Vec<f32> = (0..WORDS).flat_map(channel).collect();
+    messages::FirstSurfaces { pixels: planes::compress(&values).into() }
+}
+
+fn record(pixel: &FirstSurface) -> [f32; WORDS] {
+    let ([r, g, b], [x, y, z]) = (pixel.albedo.to_array(), pixel.normal.to_array());
+    [r, g, b, x, y, z, pixel.depth]
 }
 
 /// From the message, for a picture of `pixels` pixels; every number must be finite.
 pub fn decode(message: &messages::FirstSurfaces, pixels: usize) -> Result<Vec<FirstSurface>, WireError> {
-    let records = planes::decompress::<WORDS>(&message.pixels, pixels)?;
-    if let Some(wrong) = records.iter().flatten().find(|value| !value.is_finite()) {
+    let values = planes::decompress(&message.pixels, pixels.saturating_mul(WORDS))?;
+    if let Some(wrong) = values.iter().find(|value| !value.is_finite()) {
         return Err(WireError::Impossible { field: "first surfaces", problem: format!("a value is {wrong}") });
     }
-    let pixel = |[r, g, b, x, y, z, depth]: [f32; WORDS]| FirstSurface {
-        albedo: Rgb::new(r, g, b),
-        normal: Vec3::new(x, y, z),
-        depth,
+    let pixel = |pixel: usize| {
+        let [r, g, b, x, y, z, depth] = std::array::from_fn(|channel| values[channel * pixels + pixel]);
+        FirstSurface { albedo: Rgb::new(r, g, b), normal: Vec3::new(x, y, z), depth }
     };
-    Ok(records.into_iter().map(pixel).collect())
+    Ok((0..pixels).map(pixel).collect())
 }

@@ -24,16 +24,19 @@ pub fn decode(message: &messages::RadiusField, pixels: usize) -> Result<RadiusFi
 
 /// One radius² per pixel, as planes.
 pub fn encode_radii(radius_squared: &[f32]) -> Vec<u8> {
-    planes::compress::<1>(bytemuck::cast_slice(radius_squared))
+    planes::compress(radius_squared)
 }
 
 /// The inverse of [`encode_radii`]; every radius must be positive and finite.
 pub fn decode_radii(bytes: &[u8], pixels: usize) -> Result<Vec<f32>, WireError> {
-    let radii: Vec<f32> = bytemuck::cast_vec(planes::decompress::<1>(bytes, pixels)?);
-    match radii.iter().find(|radius_squared| positive(**radius_squared).is_err()) {
-        None => Ok(radii),
-        Some(wrong) => positive(*wrong).map(|_| Vec::new()),
-    }
+    let radii = planes::decompress(bytes, pixels)?;
+    check_radii(&radii)?;
+    Ok(radii)
+}
+
+/// Every radius² must be positive and finite.
+pub(super) fn check_radii(radius_squared: &[f32]) -> Result<(), WireError> {
+    radius_squared.iter().try_for_each(|radius_squared| positive(*radius_squared).map(|_| ()))
 }
 
 fn positive(value: f32) -> Result<f32, WireError> {

@@ -121,13 +121,19 @@ impl Cache {
         self.scenes.get_or_prepare(hash, prepare).await
     }
 
-    /// The radius field with which a shard is traced.
+    /// The radius field with which a shard is traced. Methods that gather nothing need none, and none is fetched.
     pub(super) async fn field(
         &self,
         client: &Client,
         job: &JobDescription,
         terms: &ShardTerms,
     ) -> Result<Arc<RadiusField>, PrepareError> {
+        let unusable = |problem: String| PrepareError::Unusable(problem);
+        let method = job.method.as_ref().ok_or_else(|| unusable("the job has no method yet".to_owned()))?;
+        let declaration = crate::method::declaration(method).map_err(|problem| unusable(problem.to_string()))?;
+        if !declaration.has_radii() {
+            return Ok(Arc::new(RadiusField::none()));
+        }
         let planned = &terms.planned;
         let (epoch, region) = (planned.field_epoch, planned.region);
         let key = FieldKey { job: job.id, generation: terms.generation, epoch, region };
