@@ -490,9 +490,9 @@ impl World {
                 to.held.insert(lease.id, HeldLease { lease, ready });
             }
             Answer::UnknownWorker => (to.id, to.held) = (None, BTreeMap::new()),
-            Answer::Alive { cancelled, .. } => cancelled.iter().for_each(|id| drop(to.held.remove(id))),
+            Answer::Alive { cancelled, .. } => to.held.retain(|id, _| !cancelled.contains(id)),
             Answer::Take(_) | Answer::AlreadyMerged | Answer::Fenced | Answer::Recorded | Answer::Compared => {
-                lease.iter().for_each(|id| drop(to.held.remove(id)));
+                to.held.retain(|id, _| Some(*id) != lease);
             }
             _ => {}
         }
