@@ -437,3 +437,21 @@ async fn limits_are_kept_and_told() {
     let large = farm.handle.submit(JobRequest::of_scene(scene)).await;
     assert!(matches!(large, Err(FarmError::TooLarge { .. })), "{large:?}");
 }
+
+/// Ended jobs are deleted when they are old enough, running ones are not.
+#[tokio::test(flavor = "multi_thread")]
+async fn old_jobs_are_deleted() {
+    let options = CoordinatorOptions { keep_ended: Some(Duration::from_millis(500)), ..CoordinatorOptions::default() };
+    let farm = Farm::with(options).await;
+    let _worker = farm.worker("alone", 1);
+    let short = farm.submit("statistics", passes(2)).await;
+    assert_eq!(farm.end(short).await.state, JobState::Done);
+    let long = farm.submit("statistics", passes(1_000_000)).await;
+    let gone = async {
+        while farm.handle.job(short).is_ok() {
+            sleep(Duration::from_millis(50)).await;
+        }
+    };
+    timeout(Duration::from_secs(20), gone).await.expect("it is deleted");
+    assert!(farm.handle.job(long).is_ok());
+}

@@ -36,6 +36,9 @@ pub(super) struct Serve {
     /// Share of shards that a second worker traces to compare their bits, 0 to 1.
     #[arg(long, default_value_t = 0.01, value_name = "SHARE")]
     check_share: f64,
+    /// Days after which ended jobs are deleted with their pictures [default: never].
+    #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u16).range(1..))]
+    keep_days: Option<u16>,
     /// Seconds between two snapshots of a job at least.
     #[arg(long, default_value_t = 30.0, value_name = "SECONDS")]
     snapshot_interval: f64,
@@ -85,6 +88,7 @@ impl Serve {
             }
             options.limits.job_memory = (memory * f64::from(1 << 30)) as u64;
         }
+        options.keep_ended = self.keep_days.map(|days| Duration::from_secs(86_400 * u64::from(days)));
         options.snapshot_interval = Duration::try_from_secs_f64(self.snapshot_interval)
             .map_err(|problem| CliError::BadInput(format!("--snapshot-interval: {problem}")))?;
         Ok(options)

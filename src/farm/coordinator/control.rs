@@ -29,7 +29,7 @@ impl Shared {
         });
         let status = status.await?;
         self.leave_to_keeper(Chore::Record(id));
-        self.stored().await;
+        self.stored_in_time().await?;
         Ok(status)
     }
 
@@ -52,7 +52,7 @@ impl Shared {
         let status = self.lock().status(&job, &self.clock);
         job.status.send_replace(status.clone());
         self.leave_to_keeper(Chore::Record(id));
-        self.stored().await;
+        self.stored_in_time().await?;
         Ok(status)
     }
 
@@ -66,19 +66,20 @@ impl Shared {
         }
         check_longer(&status, stop)?;
         // What is being stored of its end is stored first.
-        self.stored().await;
+        self.stored_in_time().await?;
         let merging = self.state_to_extend(&job, stop).await?;
         {
             let mut facts = lock(&job.facts);
             facts.terms.stop = stop;
             facts.request.stop = stop;
+            facts.ended = None;
             let Snapshots { newest, resume, .. } = facts.snapshots.clone();
             facts.snapshots = Snapshots { newest: resume.or(newest), ..Snapshots::default() };
         }
         self.viewed.remove(id);
         self.go_on(&job, Some(merging));
         self.leave_to_keeper(Chore::Record(id));
-        self.stored().await;
+        self.stored_in_time().await?;
         Ok(self.lock().status(&job, &self.clock))
     }
 
@@ -114,14 +115,7 @@ impl Shared {
     pub(super) async fn delete_job(self: &Arc<Self>, id: JobId) -> Result<(), FarmError> {
         let job = self.job(id)?;
         self.control(id, Event::JobCancelled { job: id }).await?;
-        self.store.delete_job(id).await?;
-        self.lock().jobs.remove(&id);
-        self.viewed.remove(id);
-        let snapshots = lock(&job.facts).snapshots.clone();
-        for name in snapshots.all() {
-            self.store.blobs().delete(name).await?;
-        }
-        Ok(())
+        Ok(self.erase(&job).await?)
     }
 }
 

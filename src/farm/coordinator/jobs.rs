@@ -44,6 +44,7 @@ impl Shared {
             history: Vec::new(),
             snapshots: Snapshots::default(),
             ran: Duration::ZERO,
+            ended: None,
             pause: None,
         };
         let status = facts.status();

@@ -13,6 +13,7 @@ use tokio::time::{sleep, timeout};
 
 use super::shared::{JobRecord, Shared};
 use crate::farm::EVENTS;
+use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::job::JobState;
 use crate::farm::locks::lock;
@@ -28,6 +29,10 @@ const LOOK: Duration = Duration::from_millis(250);
 const SNAPSHOT_SHARE: u32 = 50;
 /// The pause before something is tried again.
 const RETRY: Duration = Duration::from_secs(2);
+/// How long an answer waits for the store.
+const ANSWER_PATIENCE: Duration = Duration::from_secs(10);
+/// The longest pause between two looks for jobs that need not be kept any more.
+const SWEEP: Duration = Duration::from_secs(60);
 /// How long a store may be out of reach before jobs pause.
 const OUTAGE_PATIENCE: Duration = Duration::from_secs(30);
 
@@ -60,11 +65,13 @@ struct Keeper {
     due: BTreeMap<JobId, Instant>,
     /// Since when the store fails.
     failing_since: Option<Instant>,
+    /// When old jobs are looked for next.
+    sweep: Instant,
 }
 
 /// Works until the coordinator is gone.
 pub(super) async fn keep(shared: Weak<Shared>, mut chores: mpsc::UnboundedReceiver<Chore>) {
-    let mut keeper = Keeper { shared, due: BTreeMap::new(), failing_since: None };
+    let mut keeper = Keeper { shared, due: BTreeMap::new(), failing_since: None, sweep: Instant::now() };
     loop {
         match timeout(LOOK, chores.recv()).await {
             Ok(None) => return,
@@ -77,6 +84,7 @@ pub(super) async fn keep(shared: Weak<Shared>, mut chores: mpsc::UnboundedReceiv
         }
         let Some(shared) = keeper.shared.upgrade() else { return };
         keeper.take_due_snapshots(&shared).await;
+        keeper.delete_old_jobs(&shared).await;
     }
 }
 
@@ -98,6 +106,8 @@ impl Keeper {
                     self.store_works(&shared);
                     return true;
                 }
+                // The store is closed: what comes now belongs to nobody.
+                Err(_) if shared.stopped.is_cancelled() => return false,
                 Err(problem) => self.store_fails(&shared, &problem),
             }
             drop(shared);
@@ -189,6 +199,21 @@ impl Keeper {
         }
     }
 
+    /// Deletes jobs that ended longer ago than they are kept.
+    async fn delete_old_jobs(&mut self, shared: &Arc<Shared>) {
+        let Some(kept) = shared.options.keep_ended.filter(|_| self.sweep <= Instant::now()) else { return };
+        self.sweep = Instant::now() + kept.min(SWEEP);
+        let before = shared.clock.unix_milliseconds() - kept.as_millis() as i64;
+        let jobs: Vec<Arc<JobRecord>> = shared.lock().jobs.values().cloned().collect();
+        for job in jobs {
+            let is_old = lock(&job.facts).ended.is_some_and(|ended| ended < before);
+            if is_old && let Err(problem) = shared.erase(&job).await {
+                self.store_fails(shared, &problem);
+                return;
+            }
+        }
+    }
+
     /// Stores a running job's merged state, if it is one from which any longer job can go on.
     async fn snapshot(&mut self, shared: &Arc<Shared>, job: &Arc<JobRecord>) -> Result<(), StoreError> {
         let start = Instant::now();
@@ -263,6 +288,27 @@ impl Shared {
         let (sender, receiver) = oneshot::channel();
         self.leave_to_keeper(Chore::Barrier(sender));
         let _ = receiver.await;
+    }
+
+    /// The same for somebody who waits for an answer.
+    ///
+    /// # Errors
+    /// The store does not get it done in time, for example because the disk is full. It is stored later.
+    pub(super) async fn stored_in_time(&self) -> Result<(), FarmError> {
+        let late = |_| FarmError::Store { problem: "it is done, but the store does not take it yet".to_owned() };
+        timeout(ANSWER_PATIENCE, self.stored()).await.map_err(late)
+    }
+
+    /// Nothing of a job stays.
+    pub(super) async fn erase(&self, job: &JobRecord) -> Result<(), StoreError> {
+        self.store.delete_job(job.id).await?;
+        self.lock().jobs.remove(&job.id);
+        self.viewed.remove(job.id);
+        let snapshots = lock(&job.facts).snapshots.clone();
+        for name in snapshots.all() {
+            self.store.blobs().delete(name).await?;
+        }
+        Ok(())
     }
 
     /// Jobs that have not ended.

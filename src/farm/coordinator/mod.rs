@@ -59,6 +59,8 @@ pub struct CoordinatorOptions {
     pub check_share: f64,
     /// The least time between two snapshots of a job.
     pub snapshot_interval: Duration,
+    /// For how long ended jobs are kept; for ever by default.
+    pub keep_ended: Option<Duration>,
     /// The prepared scenes of this process.
     pub scenes: PreparedScenes,
     /// Faults on purpose, for tests.
@@ -72,6 +74,7 @@ impl Default for CoordinatorOptions {
             limits: Limits::default(),
             check_share: 0.01,
             snapshot_interval: Duration::from_secs(30),
+            keep_ended: None,
             scenes: PreparedScenes::new(0),
             faults: FaultHooks::default(),
         }

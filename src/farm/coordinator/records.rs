@@ -61,7 +61,7 @@ impl Shared {
             state: stored.status.state,
             scene: facts.description.scene.clone(),
             created: (facts.submitted * 1000) as i64,
-            ended: stored.status.state.is_final().then(|| self.clock.unix_milliseconds()),
+            ended: facts.ended,
             // Plain data with string keys always has a JSON form.
             record: serde_json::to_string(&stored).unwrap_or_default(),
             snapshots: facts.snapshots.clone(),
@@ -136,6 +136,7 @@ fn read(row: &JobRow) -> Result<JobRecord, StoreError> {
         history,
         snapshots: row.snapshots.clone(),
         ran: Duration::try_from_secs_f64(ran).unwrap_or_default(),
+        ended: row.ended,
         // What could not be stored then may be stored now.
         pause: pause.filter(|reason| !matches!(reason, PauseReason::Store { .. })),
     };

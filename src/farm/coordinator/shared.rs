@@ -74,7 +74,7 @@ pub(in crate::farm) struct Shared {
     pub(super) uploads: Arc<Semaphore>,
     /// Rises whenever a waiting worker should ask again.
     pub(in crate::farm) work: watch::Sender<u64>,
-    stopped: CancellationToken,
+    pub(super) stopped: CancellationToken,
     /// Uploads and results under way.
     pub(in crate::farm) busy: TaskTracker,
 }
@@ -113,6 +113,8 @@ pub(super) struct JobFacts {
     pub(super) snapshots: Snapshots,
     /// For how long it ran, until it ended or was stored.
     pub(super) ran: Duration,
+    /// When it ended, milliseconds since 1970.
+    pub(super) ended: Option<i64>,
     /// Why it paused when it was stored.
     pub(super) pause: Option<PauseReason>,
 }
@@ -238,6 +240,7 @@ impl Shared {
             facts.terms.clone_from(&progress.terms);
             facts.ran = progress.ran(self.clock.now());
             facts.pause = None;
+            facts.ended = Some(self.clock.unix_milliseconds());
         }
         state.rules.apply(self.clock.now(), Event::JobForgotten { job: id });
     }
