@@ -4,9 +4,8 @@ use std::sync::{Arc, Mutex};
 
 use prost::Message;
 
-use super::client::{CallError, Client};
+use super::client::{CallError, Client, TRANSFER_TIMEOUT};
 use super::pool::RenderPool;
-use super::session::TRANSFER_TIMEOUT;
 use crate::estimate::RadiusField;
 use crate::farm::ids::JobId;
 use crate::farm::locks::lock;

@@ -13,6 +13,8 @@ use super::WorkerError;
 use crate::farm::EVENTS;
 use crate::farm::locks::lock;
 
+/// For scenes, radius fields and results.
+pub(super) const TRANSFER_TIMEOUT: Duration = Duration::from_secs(300);
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 const SHORTEST_PAUSE: Duration = Duration::from_millis(200);
 /// Doublings of the shortest pause (0.2 s · 2⁶ ≈ 13 s).

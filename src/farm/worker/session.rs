@@ -16,7 +16,7 @@ use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
 use super::cache::{Cache, PrepareError};
-use super::client::{Backoff, CallError, Client};
+use super::client::{Backoff, CallError, Client, TRANSFER_TIMEOUT};
 use super::pool::RenderPool;
 use crate::estimate::{RadiusField, Tally};
 use crate::evaluation::{PoolStopwatch, RunError};
@@ -37,8 +37,6 @@ use crate::render::first_surface::{FirstSurface, first_surface_layers};
 use crate::render::{Cancelled, Pilot, Renderer};
 use crate::scene::Scene;
 
-/// For scenes, radius fields and results.
-pub(super) const TRANSFER_TIMEOUT: Duration = Duration::from_secs(300);
 /// For everything else; longer than the coordinator lets a worker wait for work.
 pub(super) const MESSAGE_TIMEOUT: Duration = Duration::from_secs(20);
 /// How long a worker that was asked to stop tries to say so.
