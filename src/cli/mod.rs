@@ -97,7 +97,8 @@ pub fn main() -> ExitCode {
         return ExitCode::FAILURE;
     }
     let command_line = CommandLine::parse();
-    start_log(command_line.verbose);
+    let runs_farm = matches!(command_line.command, Command::Serve(_) | Command::Worker(_));
+    start_log(command_line.verbose, runs_farm);
     match run(command_line.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -144,7 +145,7 @@ fn in_runtime(command: impl Future<Output = Result<(), CliError>>) -> Result<(),
     result
 }
 
-fn start_log(verbose: u8) {
+fn start_log(verbose: u8, runs_farm: bool) {
     let level = match verbose {
         0 => LevelFilter::WARN,
         1 => LevelFilter::INFO,
@@ -152,7 +153,8 @@ fn start_log(verbose: u8) {
         _ => LevelFilter::TRACE,
     };
     // Who joins, leaves or dies is for everybody who runs a farm.
-    let filter = Targets::new().with_default(level).with_target(EVENTS, level.max(LevelFilter::INFO));
+    let events = if runs_farm { level.max(LevelFilter::INFO) } else { level };
+    let filter = Targets::new().with_default(level).with_target(EVENTS, events);
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).log_internal_errors(false);
     let lines = lines.with_ansi(std::io::stderr().is_terminal()).with_target(false);
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
