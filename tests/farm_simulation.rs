@@ -5,6 +5,9 @@
 //! Every schedule follows from its seed. `PHOTONFARM_SIMULATION_SEEDS=100000 cargo test --release --test farm_simulation` runs more of them,
 //! `PHOTONFARM_SIMULATION_SEED=17` that one alone, with a line an event.
 
+#[path = "support/split_mix.rs"]
+mod split_mix;
+
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use std::time::Duration;
@@ -17,6 +20,7 @@ use photonfarm::farm::rules::lease::{Lease, Work};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::rules::terms::{MergedTotals, PauseReason, Restored, Terms};
 use photonfarm::farm::rules::{Answer, Event, Outcome, Rules, RulesOptions};
+use split_mix::Random;
 
 /// Schedules of a usual run.
 const SEEDS: u64 = 10_000;
@@ -26,30 +30,9 @@ const FAULTS_UNTIL: f64 = 120.0;
 /// Every job ends until then, seconds: long after the last fault.
 const END: f64 = 1500.0;
 
-/// SplitMix64: small, seeded, good enough to choose faults.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, limit: u64) -> u64 {
-        self.next() % limit
-    }
-
-    fn chance(&mut self, percent: u64) -> bool {
-        self.below(100) < percent
-    }
-
-    /// Between 0 and `most` seconds.
-    fn seconds(&mut self, most: f64) -> Duration {
-        Duration::from_secs_f64(most * (self.below(1 << 20) as f64 / f64::from(1 << 20)))
-    }
+/// Between 0 and `most` seconds.
+fn seconds(random: &mut Random, most: f64) -> Duration {
+    Duration::from_secs_f64(most * (random.below(1 << 20) as f64 / f64::from(1 << 20)))
 }
 
 /// What the disk holds of a job: all that outlives a coordinator.
@@ -172,7 +155,7 @@ impl World {
 
     /// Lets a message arrive after up to `most` seconds.
     fn send(&mut self, most: f64, message: Message) {
-        let time = self.now + self.random.seconds(most) + Duration::from_millis(1);
+        let time = self.now + seconds(&mut self.random, most) + Duration::from_millis(1);
         self.sequence += 1;
         self.queue.push(Reverse((time, self.sequence)));
         self.messages.insert(self.sequence, message);
@@ -353,7 +336,7 @@ impl World {
                 if is_alive { "workers started" } else { "workers killed" }
             }
             3 => {
-                self.workers[worker].cut_off_until = self.now + self.random.seconds(20.0);
+                self.workers[worker].cut_off_until = self.now + seconds(&mut self.random, 20.0);
                 "workers cut off"
             }
             4 => {
@@ -362,7 +345,7 @@ impl World {
             }
             _ => {
                 // The coordinator's process is stopped for a while: nothing is heard, not even time.
-                self.now += self.random.seconds(10.0);
+                self.now += seconds(&mut self.random, 10.0);
                 "coordinators stalled"
             }
         };
@@ -479,7 +462,7 @@ impl World {
     }
 
     fn answered(&mut self, worker: usize, life: u64, lease: Option<LeaseId>, answer: Answer) {
-        let ready = self.now + self.random.seconds(2.0);
+        let ready = self.now + seconds(&mut self.random, 2.0);
         let to = &mut self.workers[worker];
         if !to.is_alive || to.life != life || to.cut_off_until > self.now {
             return;

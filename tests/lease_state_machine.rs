@@ -1,6 +1,9 @@
 //! The farm's rules alone, with a clock and a network that the tests hold: who gets which work, and what becomes of it when workers
 //! die, lie, come late or never.
 
+#[path = "support/split_mix.rs"]
+mod split_mix;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
@@ -12,29 +15,9 @@ use photonfarm::farm::rules::lease::{Lease, Work, WorkIndex};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::rules::terms::{MergedTotals, Terms};
 use photonfarm::farm::rules::{Answer, Effects, Event, Outcome, Rules, RulesOptions};
+use split_mix::Random;
 
 const LEASE: Duration = Duration::from_secs(10);
-
-/// SplitMix64: small, seeded, good enough to choose faults.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, limit: u64) -> u64 {
-        self.next() % limit
-    }
-
-    fn chance(&mut self, percent: u64) -> bool {
-        self.below(100) < percent
-    }
-}
 
 fn seconds(seconds: f64) -> Duration {
     Duration::from_secs_f64(seconds)
