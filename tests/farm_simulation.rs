@@ -1,6 +1,9 @@
-//! The farm's rules and what a coordinator stores, under a deterministic simulator: workers that die, hang, are cut off or return nonsense,
-//! messages that are late, lost, repeated or overtake each other, coordinators that crash and come back, disks that are full, users who
-//! pause and cancel.
+//! The farm's rules and what a coordinator stores, under a deterministic simulator: workers that die, hang, are cut off, return nonsense or
+//! wrong bits, messages that are late, lost, repeated or overtake each other, coordinators that crash and come back, disks that are full,
+//! users who pause, resume and cancel.
+//!
+//! A quarter of the schedules has a worker that lies. There every shard is checked, two honest workers are spared all faults, and the
+//! coordinator does not crash: what it knows of who contributed what is in its memory only.
 //!
 //! Every schedule follows from its seed. `PHOTONFARM_SIMULATION_SEEDS=100000 cargo test --release --test farm_simulation` runs more of them,
 //! `PHOTONFARM_SIMULATION_SEED=17` that one alone, with a line an event.
@@ -9,7 +12,7 @@
 mod split_mix;
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+use std::collections::{BTreeMap, BinaryHeap};
 use std::time::Duration;
 
 use photonfarm::estimate::RadiusRule;
@@ -19,7 +22,7 @@ use photonfarm::farm::rules::check::{CheckShare, Digest};
 use photonfarm::farm::rules::lease::{Lease, Work};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::rules::terms::{MergedTotals, PauseReason, Restored, Terms};
-use photonfarm::farm::rules::{Answer, Event, Outcome, Rules, RulesOptions};
+use photonfarm::farm::rules::{Answer, Event, Outcome, Rollback, Rules, RulesOptions};
 use split_mix::Random;
 
 /// Schedules of a usual run.
@@ -46,18 +49,26 @@ struct StoredJob {
     checksum: u64,
 }
 
+/// A lie's digest and what it adds to a checksum.
+const LIE: u64 = 1 << 40;
+/// The job that users pause, resume and cancel.
+const USERS_JOB: JobId = JobId::new(4);
+
 /// What a coordinator holds of a job in memory.
 #[derive(Clone, Default)]
 struct Merging {
     plan: Option<Plan>,
     merged: u64,
     checksum: u64,
-    waiting: BTreeSet<u64>,
+    /// Early shards, and whether they are lies.
+    waiting: BTreeMap<u64, bool>,
 }
 
 struct Coordinator {
     rules: Rules,
     merging: BTreeMap<JobId, Merging>,
+    /// Jobs that ended, until the disk has them.
+    ended: BTreeMap<JobId, JobState>,
     life: u64,
 }
 
@@ -107,6 +118,10 @@ struct World {
     disk: BTreeMap<JobId, StoredJob>,
     is_full: bool,
     workers: Vec<Worker>,
+    /// Whether the first worker lies; the next two are then spared all faults.
+    has_liar: bool,
+    /// What was merged of the user's job when its cancellation was answered.
+    cancelled: Option<(u64, u64)>,
     rule: RadiusRule,
     next_life: u64,
     is_traced: bool,
@@ -114,19 +129,23 @@ struct World {
 }
 
 /// What a shard adds to a job's checksum: as with pictures, the order counts.
-fn fold(checksum: u64, index: u64) -> u64 {
-    checksum.wrapping_mul(0x100_0000_01b3).wrapping_add(index + 1)
+fn fold(checksum: u64, index: u64, is_lie: bool) -> u64 {
+    checksum.wrapping_mul(0x100_0000_01b3).wrapping_add(index + 1 + if is_lie { LIE } else { 0 })
 }
 
-fn digest(index: u64) -> Digest {
-    Digest([index as u8; 32])
+fn digest(index: u64, is_lie: bool) -> Digest {
+    let mut bytes = [is_lie as u8; 32];
+    bytes[..8].copy_from_slice(&index.to_le_bytes());
+    Digest(bytes)
 }
 
 impl World {
     fn new(seed: u64, is_traced: bool) -> Self {
         let mut random = Random(seed);
         let rule = if random.chance(50) { RadiusRule::Statistics } else { RadiusRule::Schedule };
-        let workers = (0..1 + random.below(6)).map(|_| Worker { is_alive: true, ..Worker::default() }).collect();
+        let has_liar = random.chance(25);
+        let count = if has_liar { 3 } else { 1 } + random.below(5);
+        let workers = (0..count).map(|_| Worker { is_alive: true, ..Worker::default() }).collect();
         let mut world = Self {
             random,
             now: Duration::ZERO,
@@ -137,13 +156,15 @@ impl World {
             disk: BTreeMap::new(),
             is_full: false,
             workers,
+            has_liar,
+            cancelled: None,
             rule,
             next_life: 1,
             is_traced,
             faults: BTreeMap::new(),
         };
         world.start_coordinator();
-        for (index, passes) in [60, 1, 25].into_iter().enumerate() {
+        for (index, passes) in [60, 1, 25, 30].into_iter().enumerate() {
             world.submit(JobId::new(index as u64 + 1), passes);
         }
         for worker in 0..world.workers.len() {
@@ -205,32 +226,34 @@ impl World {
         let rules = Rules::new(RulesOptions {
             lease_duration: LEASE,
             memory_budget: 70,
-            check_share: CheckShare::new(0.2),
+            check_share: CheckShare::new(if self.has_liar { 1.0 } else { 0.2 }),
             first_id: life << 40,
         });
-        self.coordinator = Some(Coordinator { rules, merging: BTreeMap::new(), life });
+        self.coordinator = Some(Coordinator { rules, merging: BTreeMap::new(), ended: BTreeMap::new(), life });
         for (job, stored) in self.disk.clone() {
             if stored.state.is_final() {
                 continue;
             }
-            let totals = totals(stored.plan.as_ref(), stored.merged);
-            let merging = Merging {
-                plan: stored.plan.clone(),
-                merged: stored.merged,
-                checksum: stored.checksum,
-                ..Merging::default()
-            };
-            if let Some(coordinator) = &mut self.coordinator {
-                coordinator.merging.insert(job, merging);
-            }
-            let restored = Restored { plan: stored.plan.clone(), totals, pause: stored.pause, ..Restored::default() };
-            self.apply(Event::JobRestored { job, terms: stored.terms, restored });
-            if stored.plan.is_some() {
-                self.apply(Event::Merged { job, totals });
-            }
+            self.go_on(job, &stored);
         }
         self.send(0.2, Message::Tick { life });
         self.send(3.0, Message::Snapshot { life });
+    }
+
+    /// Lets a job go on from what the disk holds of it.
+    fn go_on(&mut self, job: JobId, stored: &StoredJob) {
+        let StoredJob { terms, plan, merged, checksum, pause, .. } = stored.clone();
+        let totals = totals(plan.as_ref(), merged);
+        if let Some(coordinator) = &mut self.coordinator {
+            let merging = Merging { plan: plan.clone(), merged, checksum, waiting: BTreeMap::new() };
+            coordinator.merging.insert(job, merging);
+        }
+        let is_begun = plan.is_some();
+        let restored = Restored { plan, totals, pause, ..Restored::default() };
+        self.apply(Event::JobRestored { job, terms, restored });
+        if is_begun {
+            self.apply(Event::Merged { job, totals });
+        }
     }
 
     /// Lets an event happen, and does what a coordinator does with its effects.
@@ -238,52 +261,84 @@ impl World {
         let now = self.now;
         let Some(coordinator) = &mut self.coordinator else { return Answer::NoWork };
         let effects = coordinator.rules.apply(now, event);
-        let mut ended = Vec::new();
-        for job in effects.ended {
-            let state = coordinator.rules.job(job).map_or(JobState::Done, |job| job.state);
-            coordinator.rules.apply(now, Event::JobForgotten { job });
-            ended.push((job, coordinator.merging[&job].clone(), state));
+        for job in &effects.ended {
+            let state = coordinator.rules.job(*job).map_or(JobState::Done, |job| job.state);
+            coordinator.rules.apply(now, Event::JobForgotten { job: *job });
+            coordinator.ended.insert(*job, state);
         }
-        for (job, merging, state) in ended {
-            if !self.is_full {
-                self.store(job, &merging, state);
-            }
+        if !effects.ended.is_empty() && !self.is_full {
+            self.snapshot();
         }
-        assert!(effects.rollbacks.is_empty(), "nobody lies here");
+        for rollback in effects.rollbacks {
+            self.roll_back(rollback);
+        }
         effects.answer
     }
 
-    fn store(&mut self, job: JobId, merging: &Merging, state: JobState) {
+    /// What a job merged from `keep` on is not to be trusted: it goes on from the disk, or from its beginning.
+    fn roll_back(&mut self, rollback: Rollback) {
+        let Rollback { job, keep } = rollback;
+        *self.faults.entry("rollbacks").or_default() += 1;
+        let pause = self.coordinator.as_ref().and_then(|coordinator| coordinator.rules.job(job)?.pause.clone());
         let stored = self.disk.get_mut(&job).expect("it was stored when it was accepted");
-        (stored.plan, stored.merged, stored.checksum) = (merging.plan.clone(), merging.merged, merging.checksum);
-        stored.state = state;
+        if keep.is_none_or(|most| stored.merged > most) {
+            (stored.plan, stored.merged, stored.checksum) = (None, 0, 0);
+        }
+        let stored = StoredJob { pause, ..stored.clone() };
+        self.go_on(job, &stored);
     }
 
     /// Stores the states of all jobs, or pauses them when there is no room.
     fn snapshot(&mut self) {
-        let Some(coordinator) = &self.coordinator else { return };
-        let live: Vec<(JobId, JobState, Option<PauseReason>)> =
-            coordinator.rules.jobs().map(|(id, job)| (id, job.state, job.pause.clone())).collect();
-        let merging = coordinator.merging.clone();
-        for (job, merging) in &merging {
-            let found = live.iter().find(|(id, _, _)| id == job);
-            let state = found.map(|(_, state, _)| *state);
-            let pauses_for_store = matches!(found, Some((_, _, Some(PauseReason::Store { .. }))));
-            match (self.is_full, state) {
-                (true, Some(JobState::Paused) | None) => {}
-                (true, Some(_)) => {
-                    self.apply(Event::JobPaused { job: *job, reason: PauseReason::Store { problem: "full".into() } });
+        let Some(coordinator) = &mut self.coordinator else { return };
+        if self.is_full {
+            let running = coordinator.rules.jobs().filter(|(_, job)| job.state != JobState::Paused);
+            let running: Vec<JobId> = running.map(|(id, _)| id).collect();
+            for job in running {
+                self.apply(Event::JobPaused { job, reason: PauseReason::Store { problem: "full".into() } });
+            }
+            return;
+        }
+        let mut resumed = Vec::new();
+        for (job, merging) in &coordinator.merging {
+            let stored = self.disk.get_mut(job).expect("it was stored when it was accepted");
+            if let Some(state) = coordinator.ended.remove(job) {
+                stored.state = state;
+            } else if let Some(live) = coordinator.rules.job(*job) {
+                if live.is_rolling_back {
+                    continue;
                 }
-                (false, Some(state)) => {
-                    self.store(*job, merging, if state == JobState::Paused { JobState::Queued } else { state });
-                    if pauses_for_store {
-                        self.apply(Event::JobResumed { job: *job });
-                    }
-                }
-                // It ended while the disk was full.
-                (false, None) => self.store(*job, merging, JobState::Done),
+                stored.pause = live.pause.clone().filter(|reason| !matches!(reason, PauseReason::Store { .. }));
+                resumed.extend((live.pause != stored.pause).then_some(*job));
+            } else {
+                continue;
+            }
+            (stored.plan, stored.merged, stored.checksum) = (merging.plan.clone(), merging.merged, merging.checksum);
+        }
+        for job in resumed {
+            self.apply(Event::JobResumed { job });
+        }
+    }
+
+    /// A user does something to a job. It is answered when the disk has it.
+    fn act_as_user(&mut self) -> &'static str {
+        let job = USERS_JOB;
+        let (name, event) = match self.random.below(8) {
+            0 => ("cancelled by a user", Event::JobCancelled { job }),
+            1..4 => ("paused by a user", Event::JobPaused { job, reason: PauseReason::User }),
+            _ => ("resumed by a user", Event::JobResumed { job }),
+        };
+        let is_cancel = matches!(event, Event::JobCancelled { .. });
+        let is_done = self.apply(event) == Answer::Done;
+        if is_done && !self.is_full {
+            self.snapshot();
+            if is_cancel {
+                let stored = &self.disk[&job];
+                assert_eq!(stored.state, JobState::Cancelled);
+                self.cancelled = Some((stored.merged, stored.checksum));
             }
         }
+        name
     }
 
     fn step(&mut self) -> bool {
@@ -323,22 +378,24 @@ impl World {
         }
         self.send(12.0, Message::Fault);
         let worker = self.random.below(self.workers.len() as u64) as usize;
-        let name = match self.random.below(6) {
-            0 if self.coordinator.is_some() => {
+        let is_spared = self.has_liar && (1..3).contains(&worker);
+        let name = match self.random.below(8) {
+            0 if self.coordinator.is_some() && !self.has_liar => {
                 self.coordinator = None;
                 self.send(8.0, Message::Restart);
                 "coordinators crashed"
             }
-            1 | 2 => {
+            1 | 2 if !is_spared => {
                 let Worker { life, is_alive, .. } = &self.workers[worker];
                 let (life, is_alive) = (life + 1, !is_alive);
                 self.workers[worker] = Worker { life, is_alive, ..Worker::default() };
                 if is_alive { "workers started" } else { "workers killed" }
             }
-            3 => {
+            3 if !is_spared => {
                 self.workers[worker].cut_off_until = self.now + seconds(&mut self.random, 20.0);
                 "workers cut off"
             }
+            5 | 6 => self.act_as_user(),
             4 => {
                 self.is_full = !self.is_full;
                 if self.is_full { "disks full" } else { "disks with room again" }
@@ -387,6 +444,7 @@ impl World {
 
     fn requests(&mut self, worker: usize) -> Vec<Request> {
         let now = self.now;
+        let lies = self.has_liar && worker == 0 && now.as_secs_f64() < FAULTS_UNTIL;
         let Worker { id, held, heartbeat, .. } = &mut self.workers[worker];
         let Some(id) = *id else { return vec![Request::Join] };
         let mut requests: Vec<Request> = Vec::new();
@@ -404,7 +462,9 @@ impl World {
                 _ if now.as_secs_f64() < FAULTS_UNTIL && self.random.chance(2) => {
                     Outcome::Refused("nonsense".to_owned())
                 }
-                Work::Shard(index, _) | Work::Check(index, _) => Outcome::Accepted(Some(digest(index))),
+                Work::Shard(index, _) | Work::Check(index, _) => {
+                    Outcome::Accepted(Some(digest(index, lies && self.random.chance(30))))
+                }
                 _ => Outcome::Accepted(None),
             };
             requests.push(Request::Result(lease, outcome));
@@ -429,6 +489,13 @@ impl World {
     /// As a coordinator takes a result: the rules decide, and what they take is merged in order.
     fn take(&mut self, lease: &Lease, outcome: Outcome) -> Answer {
         let Lease { worker, id, fencing, .. } = *lease;
+        let Some(coordinator) = &self.coordinator else { return Answer::NoWork };
+        let is_lie = matches!(&outcome, Outcome::Accepted(Some(Digest(bytes))) if bytes[31] == 1);
+        let outcome = match outcome {
+            Outcome::Accepted(_) if !coordinator.rules.wants_digest(lease) => Outcome::Accepted(None),
+            outcome => outcome,
+        };
+        *self.faults.entry("lies").or_default() += u64::from(is_lie);
         let answer = self.apply(Event::ResultCame { worker, lease: id, fencing, outcome });
         let Answer::Take(taken) = &answer else { return answer };
         assert_eq!(taken.id, lease.id);
@@ -444,9 +511,10 @@ impl World {
             }
             Work::Shard(index, _) => {
                 let merging = self.merging(job);
-                assert!(index >= merging.merged && merging.waiting.insert(index), "shard {index} is taken twice");
-                while merging.waiting.remove(&merging.merged) {
-                    merging.checksum = fold(merging.checksum, merging.merged);
+                let is_new = index >= merging.merged && merging.waiting.insert(index, is_lie).is_none();
+                assert!(is_new, "shard {index} is taken twice");
+                while let Some(is_lie) = merging.waiting.remove(&merging.merged) {
+                    merging.checksum = fold(merging.checksum, merging.merged, is_lie);
                     merging.merged += 1;
                 }
                 let totals = totals(merging.plan.as_ref(), merging.merged);
@@ -481,8 +549,8 @@ impl World {
         }
     }
 
-    fn all_are_done(&self) -> bool {
-        self.disk.values().all(|job| job.state == JobState::Done)
+    fn all_have_ended(&self) -> bool {
+        self.disk.values().all(|job| job.state.is_final())
     }
 }
 
@@ -495,21 +563,24 @@ fn totals(plan: Option<&Plan>, merged: u64) -> MergedTotals {
 fn simulate(seed: u64, is_traced: bool) -> BTreeMap<&'static str, u64> {
     let mut world = World::new(seed, is_traced);
     while world.now.as_secs_f64() < END && world.step() {
-        if world.now.as_secs_f64() > FAULTS_UNTIL && world.all_are_done() {
+        if world.now.as_secs_f64() > FAULTS_UNTIL && world.all_have_ended() {
             break;
         }
     }
     for (job, stored) in &world.disk {
-        assert_eq!(
-            stored.state,
-            JobState::Done,
-            "seed {seed}: job {job} did not end: {:?}",
-            world.coordinator.as_ref().map(|c| c.rules.job(*job))
-        );
+        let state = world.coordinator.as_ref().map(|coordinator| coordinator.rules.job(*job));
+        assert!(stored.state.is_final(), "seed {seed}: job {job} did not end: {state:?}");
+        let expected = (0..stored.merged).fold(0, |sum, index| fold(sum, index, false));
+        if stored.state == JobState::Cancelled {
+            // Who cancels keeps what is there, checked or not.
+            let said = world.cancelled.filter(|_| *job == USERS_JOB);
+            assert!(said.is_none_or(|said| said == (stored.merged, stored.checksum)), "seed {seed}: job {job} changed");
+            continue;
+        }
+        assert_eq!(stored.state, JobState::Done, "seed {seed}: job {job}");
         let plan = stored.plan.as_ref().expect("its pilot was done");
         assert_eq!(stored.merged, plan.shard_count(), "seed {seed}: job {job} lacks shards");
-        let expected = (0..plan.shard_count()).fold(0, fold);
-        assert_eq!(stored.checksum, expected, "seed {seed}: job {job} was merged in another order or twice");
+        assert_eq!(stored.checksum, expected, "seed {seed}: job {job} holds lies, or shards twice or in another order");
     }
     world.faults
 }
@@ -543,5 +614,5 @@ fn no_schedule_of_faults_loses_or_repeats_a_shard() {
         }
     });
     println!("{seeds} schedules, faults: {faults:?}");
-    assert!(faults.values().all(|count| *count > seeds / 20), "{faults:?}");
+    assert!(faults.len() == 14 && faults.values().all(|count| *count > seeds / 50), "{faults:?}");
 }

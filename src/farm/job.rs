@@ -244,6 +244,9 @@ pub struct JobStatus {
     /// Shards for which two workers returned different bits.
     #[serde(default)]
     pub shards_mismatched: u64,
+    /// Shards that were to be traced twice, but no second worker was there.
+    #[serde(default)]
+    pub shards_unchecked: u64,
     /// How far the picture is from the truth; empty while too few shards are merged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimated_error: Option<EstimatedError>,

@@ -190,7 +190,7 @@ impl Merging {
         if field_epoch > 0 {
             self.take_fields(field_epoch);
         }
-        let oldest = self.plan.field_epoch(epoch);
+        let oldest = self.plan.first_field_kept(epoch);
         self.fields.retain(|key, _| key.epoch >= oldest);
     }
 

@@ -49,8 +49,12 @@ impl Shared {
         };
         let status = facts.status();
         let job = Arc::new(JobRecord::new(id, facts, status));
-        // It is durable before it is accepted.
-        self.store.insert_job(&self.row(&job)).await?;
+        // It is durable before it is accepted. Whether a store that does not answer has it, nobody knows: what was refused must not
+        // come back with the next start.
+        if let Err(problem) = self.store.insert_job(&self.row(&job)).await {
+            self.leave_to_keeper(Chore::Refused(id));
+            return Err(problem.into());
+        }
         self.lock().jobs.insert(id, job);
         self.apply(Event::JobAdded { job: id, terms });
         Ok(id)
@@ -128,13 +132,13 @@ impl Shared {
     }
 }
 
-/// Bytes of memory a pixel that a running job needs: its estimate, a copy of it for snapshots, and radius fields of three epochs.
+/// Bytes of memory a pixel that a running job needs: its estimate, a copy of it for snapshots, and radius fields of five epochs.
 fn bytes_per_pixel(method: Option<&CheckedMethod>) -> u64 {
     /// Two twins of a radiance.
     const RADIANCE: u64 = 2 * 3 * 8;
     /// The same with flux, inner flux, radius and photons.
     const GATHERING: u64 = 128;
-    const FIELDS: u64 = 3 * 4;
+    const FIELDS: u64 = 5 * 4;
     let declaration = method.and_then(|method| method::declaration(method).ok());
     match declaration {
         Some(declaration) if !declaration.has_radii() => 2 * RADIANCE,

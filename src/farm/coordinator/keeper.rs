@@ -6,10 +6,10 @@
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Weak};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use tokio::sync::{mpsc, oneshot};
-use tokio::time::{sleep, timeout};
+use tokio::time::{Instant, sleep, timeout};
 
 use super::shared::{JobRecord, Shared};
 use crate::farm::EVENTS;
@@ -17,6 +17,8 @@ use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::job::JobState;
 use crate::farm::locks::lock;
+use crate::farm::merging::Merging;
+use crate::farm::rules::job::Job;
 use crate::farm::rules::terms::PauseReason;
 use crate::farm::rules::{Answer, Event, Rollback};
 use crate::farm::store::jobs::Snapshots;
@@ -40,6 +42,8 @@ const OUTAGE_PATIENCE: Duration = Duration::from_secs(30);
 pub(super) enum Chore {
     /// A job's record.
     Record(JobId),
+    /// A job was refused after all: no record of it stays.
+    Refused(JobId),
     /// The final state of a job that has ended.
     Finish(JobId),
     /// A job goes back to what can be trusted.
@@ -121,12 +125,13 @@ impl Keeper {
                 Ok(job) => shared.store.update_job(&shared.row(&job)).await,
                 Err(_) => Ok(()),
             },
+            Chore::Refused(id) => shared.store.delete_job(*id).await,
             Chore::Finish(id) => match shared.job(*id) {
                 Ok(job) => self.finish(shared, &job).await,
                 Err(_) => Ok(()),
             },
             Chore::RollBack(rollback) => match shared.job(rollback.job) {
-                Ok(job) => shared.restore(&job, Some(rollback.keep)).await,
+                Ok(job) => shared.roll_back(&job, rollback.keep).await,
                 Err(_) => Ok(()),
             },
             Chore::Journal(rows) => shared.store.append_journal(rows).await,
@@ -134,7 +139,7 @@ impl Keeper {
                 shared.store.record_worker(name, *threads, shared.clock.unix_milliseconds()).await
             }
             Chore::SnapshotAll => {
-                for job in shared.live_jobs() {
+                for job in shared.trusted_jobs() {
                     self.snapshot(shared, &job).await?;
                 }
                 Ok(())
@@ -183,7 +188,7 @@ impl Keeper {
             return;
         }
         let now = Instant::now();
-        let jobs = shared.live_jobs();
+        let jobs = shared.trusted_jobs();
         self.due.retain(|id, _| jobs.iter().any(|job| job.id == *id));
         for job in jobs {
             let due = *self.due.entry(job.id).or_insert(now + shared.options.snapshot_interval);
@@ -313,34 +318,73 @@ impl Shared {
 
     /// Jobs that have not ended.
     pub(super) fn live_jobs(&self) -> Vec<Arc<JobRecord>> {
-        let state = self.lock();
-        let live = state.rules.jobs().filter(|(_, job)| !job.has_ended());
-        live.filter_map(|(id, _)| state.jobs.get(&id).cloned()).collect()
+        self.jobs_that(|job| !job.has_ended())
     }
 
-    /// Lets a job go on from its newest good snapshot; `keep` bounds the shards that may be in it, `Some(None)` allows none.
-    pub(super) async fn restore(
-        self: &Arc<Self>,
-        job: &Arc<JobRecord>,
-        keep: Option<Option<u64>>,
-    ) -> Result<(), StoreError> {
+    /// Those of them whose merged state is worth storing.
+    fn trusted_jobs(&self) -> Vec<Arc<JobRecord>> {
+        self.jobs_that(|job| !job.has_ended() && !job.is_rolling_back)
+    }
+
+    fn jobs_that(&self, are: impl Fn(&Job) -> bool) -> Vec<Arc<JobRecord>> {
+        let state = self.lock();
+        let found = state.rules.jobs().filter(|(_, job)| are(job));
+        found.filter_map(|(id, _)| state.jobs.get(&id).cloned()).collect()
+    }
+
+    /// Lets a job go on from its newest good snapshot.
+    pub(super) async fn restore(&self, job: &JobRecord) -> Result<(), StoreError> {
+        let found = self.newest_good(job, |_| true).await?;
+        self.go_on(job, found.map(|found| found.merging));
+        Ok(())
+    }
+
+    /// Lets a job go on from its newest good snapshot of at most `keep` shards; of none where there is none. Later ones are forgotten
+    /// first, so that no restart goes on from them.
+    async fn roll_back(&self, job: &JobRecord, keep: Option<u64>) -> Result<(), StoreError> {
+        let found = self.newest_good(job, |merged| keep.is_some_and(|most| merged <= most)).await?;
+        let (newest, merging) = found.map(|found| (found.name, found.merging)).unzip();
+        let kept = Snapshots { newest, ..Snapshots::default() };
+        let old = std::mem::replace(&mut lock(&job.facts).snapshots, kept.clone());
+        self.store.update_job(&self.row(job)).await?;
+        for name in old.all().filter(|name| !kept.all().any(|kept| kept == *name)) {
+            self.store.blobs().delete(name).await?;
+        }
+        let mut place = lock(&job.merging);
+        {
+            let state = self.lock();
+            // A job that was cancelled meanwhile stays cancelled.
+            let Some(progress) = state.rules.job(job.id).filter(|progress| progress.is_rolling_back) else {
+                return Ok(());
+            };
+            let mut facts = lock(&job.facts);
+            (facts.pause, facts.ran) = (progress.pause.clone(), progress.ran(self.clock.now()));
+            facts.history.clone_from(&progress.history);
+        }
+        self.replace_state(job, &mut place, merging);
+        Ok(())
+    }
+
+    /// The newest snapshot that can be read and whose number of merged shards `fits`.
+    async fn newest_good(&self, job: &JobRecord, fits: impl Fn(u64) -> bool) -> Result<Option<Found>, StoreError> {
         let snapshots = lock(&job.facts).snapshots.clone();
-        let mut merging = None;
         for name in snapshots.all() {
             match self.load(job, name).await {
-                Ok(found) if keep.is_none_or(|keep| keep.is_some_and(|most| found.merged() <= most)) => {
-                    merging = Some(found);
-                    break;
-                }
+                Ok(merging) if fits(merging.merged()) => return Ok(Some(Found { name: name.clone(), merging })),
                 Ok(_) => {}
                 Err(problem @ StoreError::Damaged { .. }) => tracing::error!(target: EVENTS, "{problem}"),
                 Err(problem) if problem.is_temporary() || problem.is_full() => return Err(problem),
                 Err(problem) => tracing::error!(target: EVENTS, "job {}: {problem}", job.id),
             }
         }
-        self.go_on(job, merging);
-        Ok(())
+        Ok(None)
     }
+}
+
+/// A stored state.
+struct Found {
+    name: BlobName,
+    merging: Merging,
 }
 
 /// Whether the rules accepted it.

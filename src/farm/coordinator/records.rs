@@ -79,7 +79,7 @@ impl Shared {
             self.lock().jobs.insert(row.id, job);
         }
         for job in live {
-            self.restore(&job, None).await?;
+            self.restore(&job).await?;
         }
         Ok(())
     }
@@ -97,6 +97,11 @@ impl Shared {
 
     /// Lets a job run on from `merging`, or from its beginning.
     pub(super) fn go_on(&self, job: &JobRecord, merging: Option<Merging>) {
+        self.replace_state(job, &mut lock(&job.merging), merging);
+    }
+
+    /// The same for a job that runs: what rules and memory hold of it is replaced.
+    pub(super) fn replace_state(&self, job: &JobRecord, place: &mut Option<Merging>, merging: Option<Merging>) {
         let (terms, mut history, ran, pause) = {
             let facts = lock(&job.facts);
             (facts.terms.clone(), facts.history.clone(), facts.ran, facts.pause.clone())
@@ -107,7 +112,6 @@ impl Shared {
         let is_begun = plan.is_some();
         let ran = if is_begun { ran } else { Duration::ZERO };
         let restored = Restored { plan, totals, history, ran, pause };
-        let mut place = lock(&job.merging);
         *place = merging;
         job.generation.fetch_add(1, Ordering::Relaxed);
         self.apply(Event::JobRestored { job: job.id, terms, restored });

@@ -1,6 +1,10 @@
 //! Trust but verify: a share of shards is traced by a second worker and compared bit for bit; a third one decides a mismatch.
+//!
+//! A job waits for its checks before it ends, and before shards are issued that would cost an older check its radii, as long as
+//! somebody is there to do them.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use crate::farm::ids::{JobId, WorkerId};
 
@@ -37,6 +41,29 @@ struct Opinion {
     digest: Digest,
 }
 
+/// A shard that was merged and is to be traced again. The first opinion is the one that was merged.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Check {
+    opinions: Vec<Opinion>,
+    /// When the last opinion came.
+    since: Duration,
+}
+
+impl Check {
+    fn has_heard(&self, worker: WorkerId) -> bool {
+        self.opinions.iter().any(|opinion| opinion.worker == worker)
+    }
+}
+
+/// A check that nobody can do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct GivenUp {
+    /// The shard.
+    pub shard: u64,
+    /// Whether two workers returned different bits.
+    pub is_disputed: bool,
+}
+
 /// What a further result tells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
@@ -50,32 +77,38 @@ pub enum Verdict {
     Hopeless,
 }
 
-/// The checks of one job. The first opinion of each is the one that was merged.
+/// The checks of one job.
 #[derive(Clone, Debug, Default)]
 pub struct Checks {
-    pending: BTreeMap<u64, Vec<Opinion>>,
+    pending: BTreeMap<u64, Check>,
     /// Shards that two workers agree on.
     pub verified: u64,
     /// Shards on which two workers did not agree.
     pub mismatched: u64,
+    /// Shards that were to be checked, but nobody was there to do it.
+    pub unchecked: u64,
 }
 
 impl Checks {
-    /// A shard was merged that is to be checked.
-    pub fn begin(&mut self, shard: u64, worker: WorkerId, digest: Digest) {
-        self.pending.insert(shard, vec![Opinion { worker, digest }]);
+    /// A shard was merged at `now` that is to be checked.
+    pub fn begin(&mut self, now: Duration, shard: u64, worker: WorkerId, digest: Digest) {
+        self.pending.insert(shard, Check { opinions: vec![Opinion { worker, digest }], since: now });
     }
 
-    /// A shard that `worker` may trace to check it; none that is in `held`.
+    /// A shard that `worker` may trace to check it; none that `is_held`.
     pub fn next_for(&self, worker: WorkerId, is_held: impl Fn(u64) -> bool) -> Option<u64> {
-        let others = |opinions: &[Opinion]| opinions.iter().all(|opinion| opinion.worker != worker);
-        self.pending.iter().find(|(shard, opinions)| others(opinions) && !is_held(**shard)).map(|(shard, _)| *shard)
+        self.pending
+            .iter()
+            .find(|(shard, check)| !check.has_heard(worker) && !is_held(**shard))
+            .map(|(shard, _)| *shard)
     }
 
     /// Another worker's result for `shard`. `None` when nobody asked.
-    pub fn compare(&mut self, shard: u64, worker: WorkerId, digest: Digest) -> Option<Verdict> {
-        let opinions = self.pending.get_mut(&shard)?;
-        opinions.push(Opinion { worker, digest });
+    pub fn compare(&mut self, now: Duration, shard: u64, worker: WorkerId, digest: Digest) -> Option<Verdict> {
+        let check = self.pending.get_mut(&shard)?;
+        check.since = now;
+        check.opinions.push(Opinion { worker, digest });
+        let opinions = &check.opinions;
         let votes = |digest: Digest| opinions.iter().filter(|opinion| opinion.digest == digest).count();
         let Some(right) = opinions.iter().map(|opinion| opinion.digest).find(|digest| votes(*digest) >= 2) else {
             self.mismatched += u64::from(opinions.len() == 2);
@@ -92,13 +125,25 @@ impl Checks {
         Some(if odd.is_empty() { Verdict::Verified } else { Verdict::Odd(odd) })
     }
 
-    /// Shards below `shard` cannot be traced again: their radii are gone.
-    pub fn give_up_below(&mut self, shard: u64) {
-        self.pending = self.pending.split_off(&shard);
+    /// The first shard whose check is not done.
+    pub fn oldest(&self) -> Option<u64> {
+        self.pending.keys().next().copied()
     }
 
-    /// Whether two workers disagree about a shard and no third has said anything yet.
-    pub fn undecided(&self) -> Option<u64> {
-        self.pending.iter().find(|(_, opinions)| opinions.len() > 1).map(|(shard, _)| *shard)
+    /// From `now` on it is waited anew for all that is not done, because nobody could do it before.
+    pub fn wait_anew(&mut self, now: Duration) {
+        self.pending.values_mut().for_each(|check| check.since = now);
+    }
+
+    /// Gives up what nobody of `workers` can do, and what nobody did for `patience`; answers it.
+    pub fn give_up(&mut self, now: Duration, patience: Duration, workers: &[WorkerId]) -> Vec<GivenUp> {
+        let is_hopeless = |_: &u64, check: &mut Check| {
+            workers.iter().all(|worker| check.has_heard(*worker)) || now.saturating_sub(check.since) >= patience
+        };
+        let given_up = self.pending.extract_if(.., is_hopeless);
+        let given_up: Vec<GivenUp> =
+            given_up.map(|(shard, check)| GivenUp { shard, is_disputed: check.opinions.len() > 1 }).collect();
+        self.unchecked += given_up.len() as u64;
+        given_up
     }
 }

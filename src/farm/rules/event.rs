@@ -283,6 +283,13 @@ pub enum Notice {
         /// The shard.
         shard: u64,
     },
+    /// Two workers returned different bits for the same shard, and no third one came to decide.
+    Disputed {
+        /// The job.
+        job: JobId,
+        /// The shard.
+        shard: u64,
+    },
     /// A job is in another state than before.
     State {
         /// The job.
@@ -298,7 +305,10 @@ impl Notice {
     /// The job that it is about.
     pub fn job(&self) -> Option<JobId> {
         match self {
-            Self::BadResult { job, .. } | Self::Mismatch { job, .. } | Self::State { job, .. } => Some(*job),
+            Self::BadResult { job, .. }
+            | Self::Mismatch { job, .. }
+            | Self::Disputed { job, .. }
+            | Self::State { job, .. } => Some(*job),
             Self::SetAside { job, .. } => *job,
             Self::Joined { .. } | Self::Left { .. } | Self::Silent { .. } | Self::Forgotten { .. } => None,
         }
@@ -313,7 +323,7 @@ impl Notice {
             | Self::Forgotten { name, .. }
             | Self::SetAside { name, .. }
             | Self::BadResult { name, .. } => Some(name),
-            Self::Mismatch { .. } | Self::State { .. } => None,
+            Self::Mismatch { .. } | Self::Disputed { .. } | Self::State { .. } => None,
         }
     }
 }
@@ -335,6 +345,9 @@ impl fmt::Display for Notice {
             }
             Self::Mismatch { job, shard } => {
                 write!(out, "job {job}, shard {shard}: two workers returned different bits; a third will decide")
+            }
+            Self::Disputed { job, shard } => {
+                write!(out, "job {job}, shard {shard}: no third worker came to decide whose bits are right")
             }
             Self::State { job, state, reason } => {
                 write!(out, "job {job} is {}", state.name())?;

@@ -157,7 +157,7 @@ impl Rules {
 
 impl Job {
     /// Whether workers may be given its work.
-    fn takes_workers(&self) -> bool {
+    pub(super) fn takes_workers(&self) -> bool {
         use crate::farm::job::JobState::{Choosing, Queued, Running};
         matches!(self.state, Queued | Choosing | Running) && !self.is_rolling_back
     }

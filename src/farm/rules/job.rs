@@ -128,8 +128,20 @@ impl Job {
             return self.work(*index);
         }
         let plan = self.plan.as_ref()?;
-        let allowed = self.next_index < self.limit && self.totals.shards >= plan.merged_before(self.next_index);
+        let allowed = self.next_index < self.limit
+            && self.totals.shards >= plan.merged_before(self.next_index)
+            && !self.waits_for_check(plan);
         if allowed { self.work(WorkIndex::Shard(self.next_index)) } else { None }
+    }
+
+    /// Whether a check must be done before the next shard is issued.
+    fn waits_for_check(&self, plan: &Plan) -> bool {
+        self.checks.oldest().is_some_and(|shard| shard < plan.first_checkable(plan.epoch_of(self.next_index)))
+    }
+
+    /// Whether all its shards are merged. It ends when its checks are done.
+    pub fn is_complete(&self) -> bool {
+        self.plan.is_some() && self.totals.shards >= self.limit
     }
 
     /// The work at a place.
@@ -254,16 +266,6 @@ impl Job {
         if totals.good_enough {
             self.limit = self.limit.min(totals.shards);
         }
-        if let Some(plan) = &self.plan {
-            self.checks.give_up_below(plan.first_with_radii(totals.shards));
-        }
-        self.end_when_complete(now);
-    }
-
-    fn end_when_complete(&mut self, now: Duration) {
-        if self.plan.is_some() && self.totals.shards >= self.limit && !self.has_ended() {
-            self.end(JobState::Done, now);
-        }
     }
 
     /// Whether the stop rule's seconds ran out just now.
@@ -273,7 +275,7 @@ impl Job {
     }
 
     /// Ends the job with what has arrived without a gap, or with the first shards when nothing has.
-    pub fn stop_by_seconds(&mut self, now: Duration) {
+    pub fn stop_by_seconds(&mut self) {
         self.seconds_are_over = true;
         if self.plan.is_none() {
             self.terms.notices.push("The time was over before the first pass; waiting for one.".to_owned());
@@ -282,7 +284,6 @@ impl Job {
         if self.cut_short() {
             self.terms.notices.push("The time was over before the first pass was merged; waiting for it.".to_owned());
         }
-        self.end_when_complete(now);
     }
 
     /// The shard index at which the job ends; work from there on is of no use.

@@ -127,7 +127,7 @@ impl Rules {
             Event::JobFailed { job, problem } => self.end(now, job, JobState::Failed, Some(problem)),
             Event::JobCancelled { job } => self.end(now, job, JobState::Cancelled, None),
             Event::JobPaused { job, reason } => self.pause(now, job, reason),
-            Event::JobResumed { job } => self.resume(job),
+            Event::JobResumed { job } => self.resume(now, job),
             Event::PriorityChanged { job, priority } => self.with_job(job, |_, job| job.terms.priority = priority),
             Event::JobForgotten { job } => self.forget(job),
             Event::FirstSurfacesWanted { job } => {
@@ -212,7 +212,7 @@ impl Rules {
             job.merged(totals, now);
             pending.work_appeared |= !had_work && job.has_work();
         });
-        self.record_end(id);
+        self.end_if_complete(now, id);
         answer
     }
 
@@ -225,6 +225,14 @@ impl Rules {
             self.record_end(id);
         }
         answer
+    }
+
+    /// A job is done when all its shards are merged and no check is left to do.
+    fn end_if_complete(&mut self, now: Duration, id: JobId) {
+        let is_done = |job: &Job| job.is_complete() && job.checks.oldest().is_none() && !job.is_rolling_back;
+        if self.jobs.get(&id).is_some_and(|job| !job.has_ended() && is_done(job)) {
+            self.end(now, id, JobState::Done, None);
+        }
     }
 
     /// After an event by which a job may have ended.
@@ -251,13 +259,14 @@ impl Rules {
         }
     }
 
-    fn resume(&mut self, id: JobId) -> Answer {
+    fn resume(&mut self, now: Duration, id: JobId) -> Answer {
         match self.jobs.get(&id).map(|job| job.state) {
             None => Answer::UnknownJob,
             Some(JobState::Paused) => {
                 let served = self.served;
                 self.with_job(id, |pending, job| {
                     job.resume();
+                    job.checks.wait_anew(now);
                     job.served = job.served.max(served);
                     pending.work_appeared = true;
                     pending.notices.push(Notice::State { job: id, state: job.state, reason: Some("resumed".into()) });
@@ -306,6 +315,7 @@ impl Rules {
         if stalled >= self.options.lease_duration / STALL_SHARE && self.last_event > Duration::ZERO {
             self.leases.postpone(stalled);
             self.roster.postpone(stalled);
+            self.jobs.values_mut().for_each(|job| job.checks.wait_anew(now));
         }
         self.last_event = self.last_event.max(now);
     }

@@ -27,6 +27,8 @@ const SHARD_COST: u64 = 1_000_000;
 const SHARDS_PER_EPOCH: u32 = 16;
 /// How many epochs a radius field may be behind.
 const EPOCH_LAG: u32 = 1;
+/// For so many epochs more than merging needs them, radius fields are kept to check shards.
+const CHECKED_EPOCHS: u32 = 2;
 /// Passes when no stop rule names them; pass indices are 32-bit.
 const PASSES_LIMIT: u32 = 1 << 31;
 
@@ -147,11 +149,18 @@ impl Plan {
         }
     }
 
-    /// The first shard whose radius field still exists when `merged` shards are merged.
-    pub fn first_with_radii(&self, merged: u64) -> u64 {
-        let kept = self.field_epoch(self.epoch_of(merged));
-        // Every epoch before `epoch_lag + 1` is traced with the first field.
-        if kept == 0 { 0 } else { self.epoch_start(kept) }
+    /// The first epoch whose radius fields are still there when the shards of `epoch` are merged: those of earlier epochs serve checks.
+    pub fn first_field_kept(&self, epoch: u32) -> u32 {
+        self.field_epoch(epoch.saturating_sub(CHECKED_EPOCHS))
+    }
+
+    /// The first shard that can still be checked while those of `epoch` are issued: the radii of earlier ones may go before a check of
+    /// theirs is done.
+    pub fn first_checkable(&self, epoch: u32) -> u64 {
+        match self.radius_rule {
+            RadiusRule::Statistics => self.epoch_start(epoch.saturating_sub(CHECKED_EPOCHS - 1)),
+            _ => 0,
+        }
     }
 
     /// Shards that must be merged before every region has a pass.

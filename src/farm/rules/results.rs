@@ -3,13 +3,16 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use super::check::{Digest, Verdict};
+use super::check::{Digest, GivenUp, Verdict};
+use super::job::Job;
 use super::lease::{Closed, Lease, Work, WorkIndex};
 use super::terms::PauseReason;
 use super::{Answer, Notice, Outcome, Rollback, Rules, SILENT_LEASES};
 use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
 use crate::farm::job::JobState;
 
+/// Nobody waits longer for a check than this many lease durations.
+const CHECK_LEASES: u32 = 10;
 /// Workers that may fail at an errand before it is given up.
 const FAILURES_PER_ERRAND: usize = 3;
 
@@ -60,7 +63,7 @@ impl Rules {
                 let Some(job) = self.jobs.get_mut(&lease.job) else { return Answer::Fenced };
                 job.arrive(&work, lease.worker, now.saturating_sub(lease.issued));
                 if let (Work::Shard(shard, _), Some(digest)) = (work, digest) {
-                    job.checks.begin(shard, lease.worker, digest);
+                    job.checks.begin(now, shard, lease.worker, digest);
                     self.pending.work_appeared = true;
                 }
             }
@@ -71,11 +74,10 @@ impl Rules {
     /// A second worker, or a further one, traced a shard that was merged before.
     fn compare(&mut self, now: Duration, lease: &Lease, shard: u64, digest: Digest) -> Answer {
         let Some(job) = self.jobs.get_mut(&lease.job) else { return Answer::Compared };
-        match job.checks.compare(shard, lease.worker, digest) {
+        match job.checks.compare(now, shard, lease.worker, digest) {
             None | Some(Verdict::Verified) => {}
             Some(Verdict::Undecided) => {
                 self.pending.notices.push(Notice::Mismatch { job: lease.job, shard });
-                self.pending.work_appeared = true;
             }
             Some(Verdict::Odd(workers)) => {
                 workers.into_iter().for_each(|odd| self.distrust(now, odd, lease.job, shard))
@@ -85,6 +87,9 @@ impl Rules {
                 self.end(now, lease.job, JobState::Failed, Some(problem));
             }
         }
+        // Shards may have waited for it, or the job's end.
+        self.pending.work_appeared = true;
+        self.end_if_complete(now, lease.job);
         Answer::Compared
     }
 
@@ -186,8 +191,8 @@ impl Rules {
         let over: Vec<JobId> =
             self.jobs.iter().filter(|(_, job)| job.seconds_run_out(now)).map(|(id, _)| *id).collect();
         for id in over {
-            self.with_job(id, |_, job| job.stop_by_seconds(now));
-            self.record_end(id);
+            self.with_job(id, |_, job| job.stop_by_seconds());
+            self.end_if_complete(now, id);
         }
         for worker in self.roster.silent(now, self.options.lease_duration * SILENT_LEASES) {
             let held: Vec<LeaseId> = self.leases.of_worker(worker).map(|lease| lease.id).collect();
@@ -197,7 +202,24 @@ impl Rules {
             }
         }
         self.look_for_workers(now);
+        self.give_up_checks(now);
         Answer::Done
+    }
+
+    /// Checks that nobody can do hold nothing up.
+    fn give_up_checks(&mut self, now: Duration) {
+        let waits = |job: &Job| job.checks.oldest().is_some() && job.takes_workers();
+        let waiting: Vec<JobId> = self.jobs.iter().filter(|(_, job)| waits(job)).map(|(id, _)| *id).collect();
+        for id in waiting {
+            let workers = self.roster.takers(id, now, self.options.lease_duration);
+            let Some(job) = self.jobs.get_mut(&id) else { continue };
+            let given_up = job.checks.give_up(now, self.options.lease_duration * CHECK_LEASES, &workers);
+            self.pending.work_appeared |= !given_up.is_empty();
+            for GivenUp { shard, .. } in given_up.into_iter().filter(|check| check.is_disputed) {
+                self.pending.notices.push(Notice::Disputed { job: id, shard });
+            }
+            self.end_if_complete(now, id);
+        }
     }
 
     fn expire(&mut self, now: Duration) {

@@ -78,6 +78,13 @@ impl WorkerRecord {
         self.jobs.get(&job).is_some_and(|trust| trust.set_aside(now).is_some())
     }
 
+    /// Whether it was heard of within `silence` and may take work of `job` at `now`.
+    fn takes(&self, job: JobId, now: Duration, silence: Duration) -> bool {
+        now.saturating_sub(self.last_heard) < silence
+            && self.set_aside(now).is_none()
+            && !self.is_set_aside_for(job, now)
+    }
+
     /// A result was taken: it is trusted again.
     pub fn succeeded(&mut self, job: JobId) {
         self.shards_done += 1;
@@ -171,14 +178,14 @@ impl Roster {
         self.workers.iter().map(|(id, worker)| (*id, worker))
     }
 
-    /// Whether a worker other than `id` was heard of within `silence` and may take work of `job` at `now`.
+    /// Workers that were heard of within `silence` and may take work of `job` at `now`.
+    pub fn takers(&self, job: JobId, now: Duration, silence: Duration) -> Vec<WorkerId> {
+        self.iter().filter(|(_, worker)| worker.takes(job, now, silence)).map(|(id, _)| id).collect()
+    }
+
+    /// Whether a worker other than `id` is one of [`Self::takers`].
     pub fn has_other(&self, id: WorkerId, job: JobId, now: Duration, silence: Duration) -> bool {
-        self.workers.iter().any(|(other, worker)| {
-            *other != id
-                && now.saturating_sub(worker.last_heard) < silence
-                && worker.set_aside(now).is_none()
-                && !worker.is_set_aside_for(job, now)
-        })
+        self.iter().any(|(other, worker)| other != id && worker.takes(job, now, silence))
     }
 
     /// Workers not heard of for `silence`.
