@@ -2,10 +2,13 @@
 
 #[path = "support/exr_channels.rs"]
 mod exr_channels;
+#[path = "support/http_client.rs"]
+mod http_client;
 
 use std::time::Duration;
 
 use exr_channels::exr_channels;
+use http_client::http_client;
 use photonfarm::api;
 use photonfarm::estimate::picture_files::{LAYERS, decode_exr};
 use photonfarm::farm::{CoordinatorOptions, Limits, LocalFarm};
@@ -33,7 +36,7 @@ impl Farm {
         let options = CoordinatorOptions { limits, ..CoordinatorOptions::default() };
         let local =
             LocalFarm::builder().workers(workers).options(options).routes(routes).start().await.expect("a farm");
-        let http = reqwest::Client::builder().no_proxy().timeout(Duration::from_secs(120)).build().expect("a client");
+        let http = http_client(Duration::from_secs(120));
         Self { base: local.url(), http, _local: local }
     }
 

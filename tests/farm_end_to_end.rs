@@ -3,12 +3,15 @@
 
 #[path = "support/fault_proxy.rs"]
 mod fault_proxy;
+#[path = "support/http_client.rs"]
+mod http_client;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use fault_proxy::FaultProxy;
+use http_client::http_client;
 use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::picture_files::LAYERS;
 use photonfarm::estimate::{Declaration, RadiusRule, Shard, Tally};
@@ -22,6 +25,7 @@ use photonfarm::farm::wire::messages::{
     self, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ResultRequest,
 };
 use photonfarm::farm::wire::result::encode_tally;
+use photonfarm::farm::worker::dial::Dialer;
 use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, LocalFarm};
 use photonfarm::method::METHODS;
@@ -117,7 +121,8 @@ fn start_worker(
     threads: usize,
 ) -> (CancellationToken, JoinHandle<Result<(), WorkerError>>) {
     let stop = CancellationToken::new();
-    let options = WorkerOptions { coordinator, name: name.to_owned(), threads, scenes: PreparedScenes::new(1) };
+    let scenes = PreparedScenes::new(1);
+    let options = WorkerOptions { coordinator, name: name.to_owned(), threads, scenes, dialer: Dialer::tcp() };
     (stop.clone(), tokio::spawn(run_worker(options, stop)))
 }
 
@@ -255,7 +260,8 @@ struct Hand {
 
 impl Hand {
     async fn register(farm: &Farm, build: &str) -> Result<Self, reqwest::StatusCode> {
-        let mut hand = Self { http: reqwest::Client::new(), base: format!("{}/farm/v1", farm.url()), id: 0 };
+        let mut hand =
+            Self { http: http_client(Duration::from_secs(120)), base: format!("{}/farm/v1", farm.url()), id: 0 };
         let request = RegisterRequest { name: "hand".into(), threads: 1, build: build.into(), features: String::new() };
         let (status, body) = hand.post("register", request.encode_to_vec()).await;
         if !status.is_success() {

@@ -1,5 +1,7 @@
 //! Real processes that are killed: a coordinator goes on from its store, to the bits of an undisturbed run.
 
+#[path = "support/http_client.rs"]
+mod http_client;
 #[path = "support/serving.rs"]
 mod serving;
 

@@ -11,6 +11,7 @@ use photonfarm::method::METHODS;
 /// Layers from the lowest to the highest, each with those that it may import.
 const LAYERS: &[(&str, &[&str])] = &[
     ("math", &[]),
+    ("tls", &[]),
     ("scene", &["math"]),
     ("transport", &["math", "scene"]),
     ("estimate", &["math"]),
@@ -18,10 +19,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("render", &["math", "scene", "transport", "estimate", "method"]),
     ("evaluation", &["math", "scene", "estimate", "method", "render"]),
     // Below `render` the farm reads only what travels or is checked: it adds numbers and never traces a ray.
-    ("farm", &["math", "scene", "estimate", "method", "render", "evaluation"]),
+    ("farm", &["math", "scene", "estimate", "method", "render", "evaluation", "tls"]),
     // `scene` and `method` for their errors, which become problem documents.
     ("api", &["farm", "estimate", "evaluation", "scene", "method"]),
-    ("cli", &["math", "scene", "transport", "estimate", "method", "evaluation", "render", "farm", "api"]),
+    ("cli", &["math", "scene", "transport", "estimate", "method", "evaluation", "render", "farm", "api", "tls"]),
 ];
 
 /// Crates that belong to some places only: files and folders below `src`.
@@ -41,7 +42,10 @@ const CRATES: &[(&str, &[&str])] = &[
     ("axum", &["farm", "api", "cli/farm_options.rs"]),
     ("utoipa", &["farm", "api"]),
     ("utoipa_axum", &["api"]),
-    ("reqwest", &["farm/worker", "cli"]),
+    ("reqwest", &["cli"]),
+    ("hyper_util", &["farm/worker"]),
+    ("tower_service", &["farm/worker"]),
+    ("rustls", &["tls.rs"]),
     ("prost", &["farm"]),
     ("lz4_flex", &["farm/wire"]),
     ("clap", &["cli", "main.rs"]),

@@ -12,6 +12,7 @@ use crate::api::jobs::JobSubmission;
 use crate::api::problem::Problem;
 use crate::farm::SceneSummary;
 use crate::farm::job::{JobStatus, StopRule, WorkerStatus};
+use crate::tls;
 
 /// How often in a row a broken stream of events is opened again.
 const RECONNECTS: u32 = 10;
@@ -69,6 +70,7 @@ impl Client {
             let text = format!("\"{base}\" is not the address of a coordinator; write http://HOST:PORT");
             return Err(CliError::Unreachable(text));
         }
+        tls::use_ring();
         // Coordinators stand in the same network; a proxy would only be in the way of live events.
         let http = reqwest::Client::builder()
             .no_proxy()

@@ -7,6 +7,7 @@ use super::exit_code::CliError;
 use super::farm_options::threads_per_worker;
 use super::signals;
 use crate::farm::prepared_scenes::PreparedScenes;
+use crate::farm::worker::dial::Dialer;
 use crate::farm::worker::{KEPT_SCENES, WorkerOptions, run_worker};
 
 /// Work for a coordinator.
@@ -32,6 +33,7 @@ impl Worker {
             name: self.name.unwrap_or_else(|| format!("worker-{}", std::process::id())),
             threads: threads_per_worker(self.threads.map(usize::from), 1),
             scenes: PreparedScenes::new(KEPT_SCENES),
+            dialer: Dialer::tcp(),
         };
         let shutdown = CancellationToken::new();
         let asked_to_stop = async {

@@ -29,6 +29,7 @@ use tokio_util::sync::CancellationToken;
 
 use super::prepared_scenes::PreparedScenes;
 use super::store::Store;
+use super::worker::dial::Dialer;
 use super::worker::{KEPT_SCENES, WorkerError, WorkerOptions, run_worker};
 use super::{CoordinatorHandle, CoordinatorOptions, FarmError, http};
 
@@ -192,8 +193,13 @@ impl LocalFarm {
     /// Starts one more worker. It stops when the returned token is cancelled, or with the farm.
     pub fn add_worker(&mut self, name: &str, threads: usize) -> CancellationToken {
         let stop = self.workers_shutdown.child_token();
-        let options =
-            WorkerOptions { coordinator: self.url(), name: name.to_owned(), threads, scenes: self.scenes.clone() };
+        let options = WorkerOptions {
+            coordinator: self.url(),
+            name: name.to_owned(),
+            threads,
+            scenes: self.scenes.clone(),
+            dialer: Dialer::tcp(),
+        };
         self.workers.spawn(run_worker(options, stop.clone()));
         stop
     }

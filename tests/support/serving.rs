@@ -9,6 +9,8 @@ use std::time::Duration;
 use serde_json::Value;
 use tokio::time::{Instant, sleep};
 
+use super::http_client::http_client;
+
 const PROGRAM: &str = env!("CARGO_BIN_EXE_photonfarm");
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -33,7 +35,7 @@ pub(crate) struct Coordinator {
 impl Coordinator {
     pub(crate) async fn start(data: &Path, workers: usize) -> Self {
         let port = TcpListener::bind("127.0.0.1:0").and_then(|listener| listener.local_addr()).expect("a port").port();
-        let http = reqwest::Client::builder().no_proxy().timeout(Duration::from_secs(60)).build().expect("a client");
+        let http = http_client(Duration::from_secs(60));
         let process = serve(data, port, workers);
         let coordinator = Self { process, data: data.to_owned(), port, workers, http };
         coordinator.wait_until_it_answers().await;

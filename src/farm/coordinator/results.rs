@@ -1,12 +1,11 @@
 //! What becomes of a result: the rules decide, and what they take is merged before anything else of the job.
 
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::shared::{JobRecord, Shared};
 use crate::estimate::Tally;
 use crate::farm::ids::{Fencing, LeaseId, WorkerId};
-use crate::farm::locks::lock;
+use crate::farm::locks::{lock, panic_message};
 use crate::farm::merging::Merging;
 use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
@@ -138,10 +137,4 @@ impl Shared {
         self.apply(Event::PilotDone { job: job.id, plan });
         Ok(merging)
     }
-}
-
-/// What a panic says.
-fn panic_message(panic: &(dyn Any + Send)) -> &str {
-    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("no message")
 }

@@ -1,7 +1,9 @@
 //! States of ended jobs that somebody looks at. They are on disk; in memory they stay for a short while.
 
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+use tokio::time::Instant;
 
 use super::shared::{JobRecord, Shared, blocking};
 use crate::farm::error::FarmError;

@@ -15,6 +15,7 @@ use object_store::{ObjectStore, ObjectStoreExt, WriteMultipart};
 use super::error::StoreError;
 use super::location::BlobsLocation;
 use crate::farm::ids::JobId;
+use crate::tls;
 
 /// Parts of an upload that may be under way at the same time.
 const PARTS_AT_ONCE: usize = 4;
@@ -90,6 +91,7 @@ impl Blobs {
             BlobsLocation::S3(address) => {
                 let rest = address.strip_prefix("s3://").unwrap_or(address);
                 let (bucket, prefix) = rest.split_once('/').unwrap_or((rest, ""));
+                tls::use_ring();
                 let store = AmazonS3Builder::from_env().with_bucket_name(bucket).build()?;
                 Ok(Self::new(Arc::new(store), Path::from(prefix)))
             }

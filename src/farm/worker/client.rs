@@ -3,19 +3,23 @@
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use axum::body::{Body, to_bytes};
+use axum::http::{Method, Request, StatusCode, Uri};
 use bytes::Bytes;
+use hyper_util::client::legacy;
+use hyper_util::rt::{TokioExecutor, TokioTimer};
 use prost::Message;
-use reqwest::{Response, StatusCode, Url};
+use tokio::time::{Instant, timeout};
 
 use super::WorkerError;
+use super::dial::Dialer;
 use crate::farm::EVENTS;
 use crate::farm::locks::lock;
 
 /// For scenes, radius fields and results.
 pub(super) const TRANSFER_TIMEOUT: Duration = Duration::from_secs(300);
-const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 const SHORTEST_PAUSE: Duration = Duration::from_millis(200);
 /// Doublings of the shortest pause (0.2 s · 2⁶ ≈ 13 s).
 const PAUSE_DOUBLINGS: u32 = 6;
@@ -48,7 +52,7 @@ impl CallError {
 /// The coordinator's worker protocol.
 #[derive(Clone)]
 pub(super) struct Client {
-    http: reqwest::Client,
+    http: legacy::Client<Dialer, Body>,
     base: String,
     address: String,
     outage: Arc<Mutex<Option<Instant>>>,
@@ -56,20 +60,13 @@ pub(super) struct Client {
 
 impl Client {
     /// A client for the coordinator at `address`.
-    pub(super) fn new(address: &str) -> Result<Self, WorkerError> {
+    pub(super) fn new(address: &str, dialer: Dialer) -> Result<Self, WorkerError> {
         let bad = |problem: String| WorkerError::BadAddress { address: address.to_owned(), problem };
-        let url = Url::parse(address).map_err(|problem| bad(problem.to_string()))?;
-        if url.scheme() != "http" || url.host().is_none() {
+        let uri: Uri = address.parse().map_err(|problem: axum::http::uri::InvalidUri| bad(problem.to_string()))?;
+        if uri.scheme_str() != Some("http") || uri.host().is_none_or(str::is_empty) {
             return Err(bad("it does not begin with http:// and a host".to_owned()));
         }
-        let http = reqwest::Client::builder()
-            .connect_timeout(CONNECT_TIMEOUT)
-            .no_proxy()
-            // Plain HTTP: no certificates are looked for, which small systems do not have.
-            .tls_certs_only([])
-            .tcp_nodelay(true)
-            .build()
-            .map_err(|problem| WorkerError::Start(problem.to_string()))?;
+        let http = legacy::Client::builder(TokioExecutor::new()).pool_timer(TokioTimer::new()).build(dialer);
         let address = address.trim_end_matches('/').to_owned();
         Ok(Self { http, base: format!("{address}/farm/v1"), address, outage: Arc::default() })
     }
@@ -79,17 +76,33 @@ impl Client {
         &self,
         path: &str,
         message: Bytes,
-        timeout: Duration,
+        patience: Duration,
     ) -> Result<A, CallError> {
-        let request = self.http.post(format!("{}/{path}", self.base)).timeout(timeout).body(message);
-        let body = self.observed(read(request.send().await).await)?;
+        let body = self.observed(self.call(Method::POST, path, message.into(), patience).await)?;
         A::decode(body).map_err(|problem| CallError::Unreachable(problem.to_string()))
     }
 
     /// Reads a resource.
-    pub(super) async fn get(&self, path: &str, timeout: Duration) -> Result<Bytes, CallError> {
-        let request = self.http.get(format!("{}/{path}", self.base)).timeout(timeout);
-        self.observed(read(request.send().await).await)
+    pub(super) async fn get(&self, path: &str, patience: Duration) -> Result<Bytes, CallError> {
+        self.observed(self.call(Method::GET, path, Body::empty(), patience).await)
+    }
+
+    async fn call(&self, method: Method, path: &str, body: Body, patience: Duration) -> Result<Bytes, CallError> {
+        let request = Request::builder().method(method).uri(format!("{}/{path}", self.base)).body(body);
+        let request = request.map_err(|problem| CallError::Unreachable(problem.to_string()))?;
+        let answer = async {
+            let response = self.http.request(request).await.map_err(|problem| unreachable_by(&problem))?;
+            let status = response.status();
+            let body = to_bytes(Body::new(response.into_body()), usize::MAX).await;
+            Ok((status, body.map_err(|problem| unreachable_by(&problem))?))
+        };
+        let late = |_| CallError::Unreachable(format!("no answer within {} s", patience.as_secs()));
+        let (status, body) = timeout(patience, answer).await.map_err(late)??;
+        match status {
+            StatusCode::GONE => Err(CallError::Forgotten),
+            status if status.is_success() => Ok(body),
+            status => Err(CallError::Status(status, String::from_utf8_lossy(&body).chars().take(1000).collect())),
+        }
     }
 
     /// Logs the beginning and the end of an outage, one line each, however many requests it costs.
@@ -112,20 +125,9 @@ impl Client {
     }
 }
 
-async fn read(response: Result<Response, reqwest::Error>) -> Result<Bytes, CallError> {
-    let response = response.map_err(|problem| unreachable_by(&problem))?;
-    let status = response.status();
-    let body = response.bytes().await.map_err(|problem| unreachable_by(&problem))?;
-    match status {
-        StatusCode::GONE => Err(CallError::Forgotten),
-        status if status.is_success() => Ok(body),
-        status => Err(CallError::Status(status, String::from_utf8_lossy(&body).chars().take(1000).collect())),
-    }
-}
-
 /// The innermost cause says what happened ("connection refused"); the outer ones only that something did.
-fn unreachable_by(problem: &reqwest::Error) -> CallError {
-    let mut cause: &dyn std::error::Error = problem;
+fn unreachable_by(problem: &(dyn std::error::Error + 'static)) -> CallError {
+    let mut cause = problem;
     while let Some(inner) = cause.source() {
         cause = inner;
     }

@@ -2,6 +2,7 @@
 
 mod cache;
 mod client;
+pub mod dial;
 mod pool;
 mod session;
 
@@ -18,6 +19,7 @@ use crate::farm::prepared_scenes::PreparedScenes;
 use crate::farm::wire;
 use crate::farm::wire::messages::{RegisterRequest, RegisterResponse};
 use client::{Backoff, CallError, Client};
+use dial::Dialer;
 use pool::RenderPool;
 use session::{MESSAGE_TIMEOUT, Session, SessionEnd};
 
@@ -35,6 +37,8 @@ pub struct WorkerOptions {
     pub threads: usize,
     /// The prepared scenes of this process.
     pub scenes: PreparedScenes,
+    /// How it reaches the coordinator.
+    pub dialer: Dialer,
 }
 
 /// Why a worker stopped other than by being asked.
@@ -63,7 +67,7 @@ pub async fn run_worker(options: WorkerOptions, shutdown: CancellationToken) -> 
     if options.threads == 0 {
         return Err(WorkerError::Start("0 rendering threads were asked for; give at least 1".to_owned()));
     }
-    let client = Client::new(&options.coordinator)?;
+    let client = Client::new(&options.coordinator, options.dialer.clone())?;
     let pool = Arc::new(RenderPool::new(options.threads)?);
     loop {
         let registered = shutdown.run_until_cancelled(register(&client, &options)).await;

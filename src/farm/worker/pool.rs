@@ -1,14 +1,14 @@
 //! The one place where work goes from async tasks to the rendering threads and back.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-
-use tokio::sync::oneshot;
+use std::sync::Arc;
 
 use super::WorkerError;
+use crate::farm::locks::panic_message;
 
 /// A worker's rendering threads.
 pub(super) struct RenderPool {
-    threads: rayon::ThreadPool,
+    threads: Arc<rayon::ThreadPool>,
 }
 
 impl RenderPool {
@@ -19,7 +19,7 @@ impl RenderPool {
             .thread_name(|index| format!("render-{index}"))
             .build()
             .map_err(|problem| WorkerError::Start(problem.to_string()))?;
-        Ok(Self { threads })
+        Ok(Self { threads: Arc::new(threads) })
     }
 
     /// Runs `work` on the rendering threads; rayon inside it uses only those.
@@ -27,17 +27,12 @@ impl RenderPool {
     /// # Errors
     /// The message of a panic in `work`: one job's fault must not end the worker.
     pub(super) async fn run<T: Send + 'static>(&self, work: impl FnOnce() -> T + Send + 'static) -> Result<T, String> {
-        let (sender, receiver) = oneshot::channel();
-        self.threads.spawn(move || {
-            let result = catch_unwind(AssertUnwindSafe(work)).map_err(|panic| panic_message(panic.as_ref()));
-            // Nobody waits any more when the session has ended.
-            let _ = sender.send(result);
-        });
-        receiver.await.unwrap_or_else(|_| Err("the rendering threads are gone".to_owned()))
+        let threads = self.threads.clone();
+        let work = move || catch_unwind(AssertUnwindSafe(|| threads.install(work)));
+        // A thread that may block waits for the rendering threads, so that simulated clocks wait, too.
+        match tokio::task::spawn_blocking(work).await {
+            Ok(result) => result.map_err(|panic| format!("rendering stopped by a fault: {}", panic_message(&*panic))),
+            Err(_) => Err("the rendering threads are gone".to_owned()),
+        }
     }
-}
-
-fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().copied().or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    format!("rendering stopped by a fault: {}", text.unwrap_or("no message"))
 }

@@ -59,7 +59,10 @@ pub(super) enum SessionEnd {
 
 /// A lease in the worker's hands.
 struct Held {
+    /// Ends its tracing.
     cancel: Arc<AtomicBool>,
+    /// Ends its delivery.
+    unwanted: CancellationToken,
     is_delivering: bool,
 }
 
@@ -170,7 +173,8 @@ impl Session {
     async fn accept(self: &Arc<Self>, lease: crate::farm::wire::messages::Lease) -> Option<Task> {
         let (id, fencing) = (LeaseId::new(lease.id), Fencing::new(lease.fencing));
         let cancel = Arc::new(AtomicBool::new(false));
-        lock(&self.held).insert(id, Held { cancel: cancel.clone(), is_delivering: false });
+        lock(&self.held)
+            .insert(id, Held { cancel: cancel.clone(), unwanted: CancellationToken::new(), is_delivering: false });
         let prepared = match decode_lease(lease) {
             Ok(lease) => self.prepare(lease, cancel).await,
             Err(problem) => Err(PrepareError::Unusable(problem.to_string())),
@@ -232,13 +236,19 @@ impl Session {
 
     /// Begins a delivery as soon as not too many are under way.
     async fn deliver(self: &Arc<Self>, lease: LeaseId, fencing: Fencing, product: Product) {
-        if let Some(held) = lock(&self.held).get_mut(&lease) {
-            held.is_delivering = true;
-        }
+        let unwanted = match lock(&self.held).get_mut(&lease) {
+            Some(held) => {
+                held.is_delivering = true;
+                held.unwanted.clone()
+            }
+            None => return,
+        };
         let Ok(slot) = self.delivery_slots.clone().acquire_owned().await else { return };
         let session = self.clone();
         self.deliveries.spawn(async move {
-            session.send_result(lease, fencing, product).await;
+            if unwanted.run_until_cancelled(session.send_result(lease, fencing, product)).await.is_none() {
+                tracing::debug!(%lease, "a result is not wanted any more");
+            }
             lock(&session.held).remove(&lease);
             drop(slot);
         });
@@ -285,6 +295,7 @@ impl Session {
         let held = lock(&self.held);
         for lease in leases.iter().filter_map(|lease| held.get(&LeaseId::new(*lease))) {
             lease.cancel.store(true, Ordering::Relaxed);
+            lease.unwanted.cancel();
         }
     }
 
