@@ -128,7 +128,7 @@ async fn main() -> Fallible<()> {
     let workers = arguments.next().unwrap_or(Ok(500))?;
     let jobs = arguments.next().unwrap_or(Ok(100))?;
     let seconds = arguments.next().unwrap_or(Ok(60))? as u64;
-    photonfarm::tls::use_ring();
+    photonfarm::farm::tls::use_ring();
 
     let text = std::fs::read_to_string("scenes/cornell-diffuse/scene.xml")?;
     let bytes = text.replace(r#"name="size" value="512""#, r#"name="size" value="64""#).into_bytes();

@@ -73,7 +73,7 @@ impl Job {
             JobRequest { method: Some(self.method.clone()), stop: self.stop(), ..JobRequest::of_scene(scene) };
         let job = farm.client().submit(request).await?;
         farm.client().watch(job)?.wait_for(|status| status.state.is_final()).await?;
-        farm.client().stored().await;
+        farm.client().stored().await?;
         let spent = watch.spent()?;
         farm.stop().await;
         Ok(spent)

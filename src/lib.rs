@@ -6,7 +6,6 @@
 //! | layer | what it knows | imports |
 //! |---|---|---|
 //! | [`math`] | vectors, frames, colour, distributions, random numbers, statistics | nothing |
-//! | [`tls`] | which cryptography HTTP clients use | nothing |
 //! | [`scene`] | description, check, prepare; geometry, materials, lights, cameras | math |
 //! | [`transport`] | camera and photon walks, direct light, photon map, density estimates | math, scene |
 //! | [`estimate`] | declarations, tally, merge rules, radius schedules, snapshots, picture | math |
@@ -26,5 +25,4 @@ pub mod math;
 pub mod method;
 pub mod render;
 pub mod scene;
-pub mod tls;
 pub mod transport;

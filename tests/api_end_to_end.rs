@@ -457,3 +457,24 @@ async fn too_many_jobs_are_told_when_to_come_again() {
     let (_, limits) = answer(farm.get("/v1/limits").await).await;
     assert_eq!(limits["scene_bytes"], 10_000);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_upload_that_falls_silent_frees_its_place() {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let farm = Farm::start_with(0, Limits { uploads: 1, upload_silence: 1, ..Limits::default() }).await;
+    let address = farm.base.trim_start_matches("http://").to_owned();
+    let mut silent = tokio::net::TcpStream::connect(&address).await.expect("a connection");
+    let head = format!("POST /v1/scenes HTTP/1.1\r\nHost: {address}\r\nContent-Length: 1000\r\n\r\nabc");
+    silent.write_all(head.as_bytes()).await.expect("sent");
+    let mut answer = vec![0; 12];
+    silent.read_exact(&mut answer).await.expect("an answer");
+    assert_eq!(answer, b"HTTP/1.1 408");
+    assert_eq!(farm.post("/v1/scenes", SCENE).await.status(), 201);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn names_cannot_hold_what_changes_a_terminal() {
+    let farm = Farm::start(0).await;
+    let job = json!({ "scene_inline": SCENE, "stop": { "passes": 1 }, "name": "\u{1b}[31mred" });
+    problem(farm.post("/v1/jobs", job.to_string()).await, 422, "bad-request").await;
+}

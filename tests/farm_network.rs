@@ -265,6 +265,9 @@ fn simulate(seed: u64, is_told: bool, folder: &Path) -> (Vec<u32>, BTreeMap<&'st
         network.heal();
         network.sim.step().unwrap_or_else(|problem| panic!("seed {seed}: {problem}"));
         if let Some(bits) = made.lock().expect("no panic").take() {
+            if is_told {
+                println!("{:8.2} all jobs are done", network.now());
+            }
             return (bits, network.faults);
         }
     }

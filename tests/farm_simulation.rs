@@ -164,7 +164,7 @@ impl World {
             faults: BTreeMap::new(),
         };
         world.start_coordinator();
-        for (index, passes) in [60, 1, 25, 30].into_iter().enumerate() {
+        for (index, passes) in [160, 1, 25, 30].into_iter().enumerate() {
             world.submit(JobId::new(index as u64 + 1), passes);
         }
         for worker in 0..world.workers.len() {
@@ -479,11 +479,23 @@ impl World {
         let lease = if let Request::Result(lease, _) = &request { Some(lease.id) } else { None };
         let answer = match request {
             Request::Join => self.apply(Event::WorkerJoined { name: format!("w{worker}"), threads: 1 }),
-            Request::LeaseWanted(worker) => self.apply(Event::LeaseWanted { worker }),
+            Request::LeaseWanted(worker) => self.grant(worker),
             Request::Heartbeat(worker, leases) => self.apply(Event::HeartbeatCame { worker, leases }),
             Request::Result(lease, outcome) => self.take(&lease, outcome),
         };
         self.send_by_network(worker, Message::ToWorker { worker, life, lease, answer });
+    }
+
+    /// Whoever gets a shard can have its radii.
+    fn grant(&mut self, worker: WorkerId) -> Answer {
+        let answer = self.apply(Event::LeaseWanted { worker });
+        if let Answer::Granted(Lease { job, work: Work::Shard(_, planned) | Work::Check(_, planned), .. }) = &answer {
+            let Merging { plan, merged, .. } = self.merging(*job);
+            let plan = plan.as_ref().expect("shards come after the pilot");
+            let kept = plan.first_field_kept(plan.epoch_of(*merged));
+            assert!(planned.field_epoch >= kept, "the radii of epoch {} are gone", planned.field_epoch);
+        }
+        answer
     }
 
     /// As a coordinator takes a result: the rules decide, and what they take is merged in order.

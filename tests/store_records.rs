@@ -105,6 +105,48 @@ async fn records_are_there_when_a_store_is_opened_again() {
 }
 
 #[tokio::test]
+async fn a_damaged_or_emptied_database_is_refused_at_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let location = StoreLocation::folder(folder.path());
+    let store = Store::open(&location).await.expect("a store");
+    let name = BlobName::of_snapshot(JobId::new(1), 5, b"state");
+    store.blobs().put(&name, b"state".to_vec()).await.expect("stored");
+    store.close().await;
+    drop(store);
+    let RecordsLocation::Sqlite(file) = &location.records else { panic!("an SQLite store") };
+    let good = std::fs::read(file).expect("a file");
+    for (damage, words) in
+        [(vec![7; 8192], "damaged"), (good[..good.len() / 2].to_vec(), "damaged"), (Vec::new(), "no record")]
+    {
+        std::fs::write(file, damage).expect("written");
+        let start = std::time::Instant::now();
+        let problem = Store::open(&location).await.err().expect("it is refused").to_string();
+        assert!(problem.contains(words), "{problem}");
+        assert!(start.elapsed().as_secs() < 10, "nobody waits for what does not get better");
+    }
+    std::fs::write(file, good).expect("written");
+    let store = Store::open(&location).await.expect("it was not touched");
+    assert!(store.blobs().get(&name).await.is_ok());
+}
+
+#[tokio::test]
+async fn nothing_stays_of_uploads_that_were_broken_off_by_a_kill() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let location = StoreLocation::folder(folder.path());
+    let store = Store::open(&location).await.expect("a store");
+    let mut upload = store.blobs().begin_scene().await.expect("begun");
+    upload.write(&vec![1; 20 << 20]).await.expect("written");
+    // As if the process was killed: nothing is tidied up.
+    std::mem::forget(upload);
+    let uploads = folder.path().join("blobs/uploads");
+    assert!(std::fs::read_dir(&uploads).expect("a folder").next().is_some());
+    store.close().await;
+    drop(store);
+    let _store = Store::open(&location).await.expect("the same store");
+    assert!(!uploads.exists());
+}
+
+#[tokio::test]
 async fn ids_of_deleted_jobs_are_not_used_again() {
     let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
@@ -137,6 +179,7 @@ async fn blobs_are_whole_or_not_there() {
         }
         assert_eq!(upload.bytes(), bytes.len() as u64);
         let uploaded = upload.finish().await.expect("finished");
+        uploaded.keep().await.expect("kept");
         assert_eq!(uploaded.hash, blake3::hash(&bytes).to_hex().to_string());
         let name = BlobName::of_scene(&uploaded.hash);
         assert!(blobs.get(&name).await.expect("there") == bytes);
@@ -166,7 +209,9 @@ async fn a_check_finds_what_is_missing_and_a_clean_up_what_is_too_much() {
     let store = Store::open(&StoreLocation::folder(folder.path())).await.expect("a store");
     let mut upload = store.blobs().begin_scene().await.expect("begun");
     upload.write(b"a scene").await.expect("written");
-    let hash = upload.finish().await.expect("finished").hash;
+    let uploaded = upload.finish().await.expect("finished");
+    uploaded.keep().await.expect("kept");
+    let hash = uploaded.hash;
     store.insert_scene(&scene(&hash)).await.expect("inserted");
     let id = JobId::after(None, 1_800_000_000_000);
     let lost = BlobName::of_snapshot(id, 1, b"lost");
@@ -250,6 +295,9 @@ async fn a_database_that_restarts_is_waited_for() {
     let location =
         StoreLocation { records: RecordsLocation::Postgres(address), ..StoreLocation::folder(folder.path()) };
     let store = Store::open(&location).await.expect("a store");
+    let elsewhere = StoreLocation { folder: folder.path().join("elsewhere"), ..location.clone() };
+    let second = Store::open(&elsewhere).await.err();
+    assert!(matches!(second, Some(StoreError::InUse { .. })), "one coordinator at a time uses a database: {second:?}");
     store.insert_scene(&scene("bb")).await.expect("inserted");
     let status = std::process::Command::new("bash").args(["-c", &restart]).stdout(std::process::Stdio::null()).status();
     assert!(status.expect("bash").success());

@@ -11,7 +11,6 @@ use photonfarm::method::METHODS;
 /// Layers from the lowest to the highest, each with those that it may import.
 const LAYERS: &[(&str, &[&str])] = &[
     ("math", &[]),
-    ("tls", &[]),
     ("scene", &["math"]),
     ("transport", &["math", "scene"]),
     ("estimate", &["math"]),
@@ -19,10 +18,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("render", &["math", "scene", "transport", "estimate", "method"]),
     ("evaluation", &["math", "scene", "estimate", "method", "render"]),
     // Below `render` the farm reads only what travels or is checked: it adds numbers and never traces a ray.
-    ("farm", &["math", "scene", "estimate", "method", "render", "evaluation", "tls"]),
+    ("farm", &["math", "scene", "estimate", "method", "render", "evaluation"]),
     // `scene` and `method` for their errors, which become problem documents.
     ("api", &["farm", "estimate", "evaluation", "scene", "method"]),
-    ("cli", &["math", "scene", "transport", "estimate", "method", "evaluation", "render", "farm", "api", "tls"]),
+    ("cli", &["math", "scene", "transport", "estimate", "method", "evaluation", "render", "farm", "api"]),
 ];
 
 /// Crates that belong to some places only: files and folders below `src`.
@@ -45,7 +44,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("reqwest", &["cli"]),
     ("hyper_util", &["farm/worker"]),
     ("tower_service", &["farm/worker"]),
-    ("rustls", &["tls.rs"]),
+    ("rustls", &["farm/tls.rs"]),
     ("prost", &["farm"]),
     ("lz4_flex", &["farm/wire"]),
     ("clap", &["cli", "main.rs"]),

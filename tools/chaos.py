@@ -135,12 +135,18 @@ class Farm:
                 pass
             time.sleep(0.3)
 
+    def insist_quietly(self, method, path, body=None):
+        """The same for what may come too late."""
+        try:
+            self.insist(method, path, body)
+        except urllib.error.HTTPError:
+            counts["users came too late"] += 1
+
     def jobs(self):
         return json.loads(self.insist("GET", "/v1/jobs"))["jobs"]
 
     def picture(self, job):
-        self.named += 1
-        file = TEMPORARY / f"{self.named}.exr"
+        file = pathlib.Path(tempfile.mkstemp(".exr", dir=TEMPORARY)[1])
         file.write_bytes(self.insist("GET", f"/v1/jobs/{job}/image.exr"))
         return file
 
@@ -184,7 +190,9 @@ def quiet_pictures(folder):
 
 def wait_and(action, most):
     """Lets something end after a while."""
-    threading.Timer(chance.uniform(0.2, most), action).start()
+    timer = threading.Timer(chance.uniform(0.2, most), action)
+    timer.daemon = True
+    timer.start()
 
 
 def fault(farm, disk):
@@ -246,25 +254,15 @@ def act_as_user(farm, scene, accepted):
             counts["submissions without an answer"] += 1
     running = [job for job in jobs if job["state"] == "running"]
     if running and chance.random() < 0.1:
-        job = chance.choice(running)["id"]
-        farm.insist_quietly("POST", f"/v1/jobs/{job}/pause")
-        wait_and(lambda: farm.insist_quietly("POST", f"/v1/jobs/{job}/resume"), 5)
+        paused = chance.choice(running)["id"]
+        farm.insist_quietly("POST", f"/v1/jobs/{paused}/pause")
+        wait_and(lambda: farm.insist_quietly("POST", f"/v1/jobs/{paused}/resume"), 5)
         counts["paused by a user"] += 1
     short = [job for job in jobs if job["state"] == "done" and job["passes_done"] == kind_of(job)[1]]
     if short and chance.random() < 0.1:
-        job = chance.choice(short)
-        farm.insist_quietly("POST", f"/v1/jobs/{job['id']}/extend", {"passes": kind_of(job)[2]})
+        longer = chance.choice(short)
+        farm.insist_quietly("POST", f"/v1/jobs/{longer['id']}/extend", {"passes": kind_of(longer)[2]})
         counts["extended by a user"] += 1
-
-
-def insist_quietly(farm, method, path, body=None):
-    try:
-        farm.insist(method, path, body)
-    except urllib.error.HTTPError:
-        counts["users came too late"] += 1
-
-
-Farm.insist_quietly = insist_quietly
 
 
 def is_same(picture, other):
@@ -324,10 +322,11 @@ def main():
             time.sleep(0.3)
         say("no faults any more")
         time.sleep(41)
-        patience = time.time() + 300
+        patience = time.time() + 120
         while any(job["state"] != "done" for job in farm.jobs()) and time.time() < patience:
             for job in farm.jobs():
                 if job["state"] == "paused":
+                    counts["paused until a user resumed them"] += 1
                     say(f"job {job['id']} pauses: {job['paused']}")
                     farm.insist_quietly("POST", f"/v1/jobs/{job['id']}/resume")
             time.sleep(1)

@@ -72,6 +72,12 @@ impl Problem {
         Self::new(StatusCode::BAD_REQUEST, "broken-body", problem.to_string()).remedy("send the request again")
     }
 
+    /// A body whose bytes stopped coming.
+    pub fn silent_body(patience: Duration) -> Self {
+        let detail = format!("no byte came for {} s", patience.as_secs());
+        Self::new(StatusCode::REQUEST_TIMEOUT, "silent-body", detail).remedy("send the request again")
+    }
+
     /// No job has this id.
     pub fn unknown_job(id: &str) -> Self {
         Self::new(StatusCode::NOT_FOUND, "unknown-job", format!("there is no job \"{id}\""))
@@ -138,6 +144,8 @@ impl From<FarmError> for Problem {
             FarmError::Conflict { problem, remedy } => {
                 Self::new(StatusCode::CONFLICT, "conflict", problem).remedy(remedy)
             }
+            FarmError::Lost { problem } => Self::new(StatusCode::INTERNAL_SERVER_ERROR, "lost", problem)
+                .remedy("restore the store from a backup, or upload and submit again"),
             FarmError::Store { problem } => Self::new(StatusCode::SERVICE_UNAVAILABLE, "store-fails", problem)
                 .remedy("make room, or wait until the store works again")
                 .retry_after(Duration::from_secs(5)),

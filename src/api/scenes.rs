@@ -1,5 +1,7 @@
 //! Scenes: upload once, refer to by hash.
 
+use std::time::Duration;
+
 use axum::Json;
 use axum::body::Body;
 use axum::extract::State;
@@ -7,6 +9,7 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::StreamExt;
 use serde::Serialize;
+use tokio::time::timeout;
 use utoipa::ToSchema;
 
 use super::ApiState;
@@ -47,17 +50,22 @@ impl From<SceneSummary> for SceneView {
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses(
         (status = 201, description = "Checked and kept", body = SceneView, headers(("Location" = String))),
+        (status = 408, description = "No byte for too long", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "More than /v1/limits allows", body = Problem, content_type = "application/problem+json"),
+        (status = 429, description = "Too many uploads at once", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Cannot be rendered", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn upload_scene(State(state): State<ApiState>, body: Body) -> Result<Response, Problem> {
     let mut upload = state.coordinator.begin_upload().await?;
     let mut chunks = body.into_data_stream();
-    while let Some(chunk) = chunks.next().await {
-        let taken = match chunk {
-            Ok(bytes) => upload.write(&bytes).await.map_err(Problem::from),
-            Err(problem) => Err(Problem::broken_body(&problem)),
+    let patience = Duration::from_secs(state.coordinator.limits().upload_silence);
+    loop {
+        let taken = match timeout(patience, chunks.next()).await {
+            Ok(None) => break,
+            Ok(Some(Ok(bytes))) => upload.write(&bytes).await.map_err(Problem::from),
+            Ok(Some(Err(problem))) => Err(Problem::broken_body(&problem)),
+            Err(_) => Err(Problem::silent_body(patience)),
         };
         if let Err(problem) = taken {
             upload.abort().await?;

@@ -2,22 +2,20 @@
 
 use clap::Args;
 
-use super::client::CoordinatorOption;
 use super::exit_code::CliError;
+use super::one_job::OneJob;
 
 /// Stop a job and keep its picture.
 ///
 /// A job that has ended already stays as it is.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Cancel {
-    /// The job's id.
-    id: String,
     #[command(flatten)]
-    coordinator: CoordinatorOption,
+    job: OneJob,
 }
 
 impl Cancel {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        self.coordinator.client()?.cancel(&self.id).await.map(drop)
+        self.job.answer(&self.job.client()?.cancel(&self.job.id).await?)
     }
 }

@@ -8,11 +8,12 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 use super::exit_code::CliError;
+use crate::api::job_control::JobPatch;
 use crate::api::jobs::JobSubmission;
 use crate::api::problem::Problem;
 use crate::farm::SceneSummary;
 use crate::farm::job::{JobStatus, StopRule, WorkerStatus};
-use crate::tls;
+use crate::farm::tls;
 
 /// How often in a row a broken stream of events is opened again.
 const RECONNECTS: u32 = 10;
@@ -122,8 +123,20 @@ impl Client {
         self.json(request.header(header::CONTENT_TYPE, "application/json").body(body)).await
     }
 
-    pub(super) async fn delete(&self, id: &str) -> Result<(), CliError> {
+    pub(super) async fn change(&self, id: &str, patch: &JobPatch) -> Result<JobStatus, CliError> {
+        let body = serde_json::to_vec(patch).map_err(CliError::failed)?;
+        let request = self.request(Method::PATCH, &job_path(id, "")?);
+        self.json(request.header(header::CONTENT_TYPE, "application/json").body(body)).await
+    }
+
+    pub(super) async fn delete_job(&self, id: &str) -> Result<(), CliError> {
         accepted(self.send(self.request(Method::DELETE, &job_path(id, "")?)).await?).await?;
+        Ok(())
+    }
+
+    pub(super) async fn delete_scene(&self, hash: &str) -> Result<(), CliError> {
+        let path = format!("/v1/scenes/{}", checked_name(hash, "a scene's hash; `photonfarm scenes`")?);
+        accepted(self.send(self.request(Method::DELETE, &path)).await?).await?;
         Ok(())
     }
 
@@ -222,15 +235,18 @@ impl Client {
     }
 }
 
-/// The address of a job; an id can hold nothing that leads elsewhere.
+/// The address of a job.
 fn job_path(id: &str, rest: &str) -> Result<String, CliError> {
-    if id.is_empty()
-        || !id.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte))
-        || id.contains("..")
-    {
-        return Err(CliError::BadInput(format!("\"{id}\" is not a job's id; `photonfarm jobs` lists them")));
+    Ok(format!("/v1/jobs/{}{rest}", checked_name(id, "a job's id; `photonfarm jobs`")?))
+}
+
+/// A name that can hold nothing that leads elsewhere.
+fn checked_name<'a>(name: &'a str, what: &str) -> Result<&'a str, CliError> {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
+    if name.is_empty() || !name.bytes().all(is_plain) || name.contains("..") {
+        return Err(CliError::BadInput(format!("\"{name}\" is not {what} lists them")));
     }
-    Ok(format!("/v1/jobs/{id}{rest}"))
+    Ok(name)
 }
 
 /// The response if it is a success, else the problem that it tells.

@@ -2,33 +2,23 @@
 
 use clap::Args;
 
-use super::client::CoordinatorOption;
 use super::exit_code::CliError;
-use crate::farm::job::StopRule;
+use super::one_job::OneJob;
+use super::stop_options::StopOptions;
 
 /// Let an ended job go on to a later end.
 ///
 /// It goes on from its stored state; the picture has the bits of the longer job.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Extend {
-    /// The job's id.
-    id: String,
-    /// Stop after this many passes in all.
-    #[arg(long)]
-    passes: Option<u32>,
-    /// Stop after this many seconds in all.
-    #[arg(long)]
-    seconds: Option<f64>,
-    /// Stop when the picture's relMSE is below this.
-    #[arg(long, value_name = "RELMSE")]
-    error: Option<f64>,
     #[command(flatten)]
-    coordinator: CoordinatorOption,
+    job: OneJob,
+    #[command(flatten)]
+    stop: StopOptions,
 }
 
 impl Extend {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        let stop = StopRule { passes: self.passes, seconds: self.seconds, error: self.error };
-        self.coordinator.client()?.extend(&self.id, &stop).await.map(drop)
+        self.job.answer(&self.job.client()?.extend(&self.job.id, &self.stop.rule()).await?)
     }
 }

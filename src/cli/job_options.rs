@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::stop_options::StopOptions;
 use crate::api::jobs::JobSubmission;
-use crate::farm::job::{Priority, StopRule};
+use crate::farm::job::Priority;
 
 /// A scene and how to render it.
 #[derive(Clone, Debug, Args)]
@@ -24,15 +25,8 @@ pub(super) struct JobOptions {
     /// Only paths of so many light and camera vertices; short for --set strategy=S,T.
     #[arg(long, value_name = "S,T")]
     strategy: Option<String>,
-    /// Stop after this many passes.
-    #[arg(long)]
-    passes: Option<u32>,
-    /// Stop after this many seconds.
-    #[arg(long)]
-    seconds: Option<f64>,
-    /// Stop when the picture's relMSE is below this, as the job itself estimates with 95 % confidence.
-    #[arg(long, value_name = "RELMSE")]
-    error: Option<f64>,
+    #[command(flatten)]
+    stop: StopOptions,
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -60,7 +54,7 @@ impl JobOptions {
             scene_inline: None,
             method: self.method.clone(),
             parameters: self.settings.iter().cloned().chain(length).chain(strategy).collect(),
-            stop: StopRule { passes: self.passes, seconds: self.seconds, error: self.error },
+            stop: self.stop.rule(),
             seed: self.seed,
             name: self.name.clone(),
             tags: self.tags.clone(),

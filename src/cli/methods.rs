@@ -4,6 +4,7 @@ use clap::Args;
 
 use super::exit_code::CliError;
 use super::terminal;
+use crate::api::methods::MethodView;
 use crate::method::{MethodEntry, table};
 
 /// List the methods with their parameters.
@@ -13,12 +14,15 @@ use crate::method::{MethodEntry, table};
 pub(super) struct Methods {
     /// Only this method.
     name: Option<String>,
+    /// Print JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 impl Methods {
     pub(super) fn run(self) -> Result<(), CliError> {
         let wanted = |entry: &&MethodEntry| self.name.as_ref().is_none_or(|name| entry.name == name);
-        let entries: Vec<String> = table().iter().filter(wanted).map(description).collect();
+        let entries: Vec<&MethodEntry> = table().iter().filter(wanted).collect();
         if entries.is_empty() {
             let known: Vec<&str> = table().iter().map(|entry| entry.name).collect();
             let name = self.name.unwrap_or_default();
@@ -27,7 +31,10 @@ impl Methods {
                 known.join(", ")
             )));
         }
-        terminal::result(&entries.join("\n\n"))
+        if self.json {
+            return terminal::json(&entries.into_iter().map(MethodView::from).collect::<Vec<_>>());
+        }
+        terminal::result(&entries.into_iter().map(description).collect::<Vec<_>>().join("\n\n"))
     }
 }
 

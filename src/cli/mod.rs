@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand. Results go to standard output, everything else to standard error.
 
 mod cancel;
+mod change;
 mod chart;
 mod client;
 mod compare;
@@ -14,6 +15,7 @@ mod job_options;
 mod jobs;
 mod map;
 mod methods;
+mod one_job;
 mod outputs;
 mod pause;
 mod plan;
@@ -27,6 +29,7 @@ mod scene_file;
 mod scenes;
 mod serve;
 mod signals;
+mod stop_options;
 mod store;
 mod store_options;
 mod submit;
@@ -75,6 +78,7 @@ enum Command {
     Pause(pause::Pause),
     Resume(resume::Resume),
     Extend(extend::Extend),
+    Change(change::Change),
     Rm(rm::Remove),
     Jobs(jobs::Jobs),
     Scenes(scenes::Scenes),
@@ -120,6 +124,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Pause(command) => in_runtime(command.run()),
         Command::Resume(command) => in_runtime(command.run()),
         Command::Extend(command) => in_runtime(command.run()),
+        Command::Change(command) => in_runtime(command.run()),
         Command::Rm(command) => in_runtime(command.run()),
         Command::Jobs(command) => in_runtime(command.run()),
         Command::Scenes(command) => in_runtime(command.run()),

@@ -17,6 +17,8 @@ const STEPS: u64 = 1000;
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
     last_line: Option<Instant>,
+    /// What was said of the job's state last.
+    last_state: Option<String>,
 }
 
 impl Progress {
@@ -25,7 +27,7 @@ impl Progress {
             let style = ProgressStyle::with_template("[{bar:30}] {wide_msg}").map(|style| style.progress_chars("=> "));
             ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
-        Self { bar, last_line: None }
+        Self { bar, last_line: None, last_state: None }
     }
 
     /// Says what is shown from here on.
@@ -43,7 +45,12 @@ impl Progress {
         if let Some(bar) = &self.bar {
             bar.set_position((share_done(status) * STEPS as f64) as u64);
             bar.set_message(description(status));
-        } else if self.last_line.is_none_or(|last| last.elapsed() >= LINE_INTERVAL) {
+            return;
+        }
+        // A change of state is said at once, progress now and then.
+        let state = state(status);
+        if state != self.last_state || self.last_line.is_none_or(|last| last.elapsed() >= LINE_INTERVAL) {
+            self.last_state = state;
             self.last_line = Some(Instant::now());
             terminal::note(&description(status));
         }
@@ -66,15 +73,26 @@ fn share_done(status: &JobStatus) -> f64 {
     by_passes.max(by_seconds).max(by_error).clamp(0.0, 1.0)
 }
 
-fn description(status: &JobStatus) -> String {
+/// What a job waits for, or does before it traces; `None` while it makes progress.
+fn state(status: &JobStatus) -> Option<String> {
+    let passes = status.passes_done;
     if let Some(since) = status.waiting_for_workers_since {
-        return format!("{} passes, waiting for workers since {}", status.passes_done, time_of_day(since));
+        return Some(format!("{passes} passes, waiting for workers since {}", time_of_day(since)));
     }
     match (status.state, &status.paused) {
-        (JobState::Queued, _) => return "waiting for a worker".to_owned(),
-        (JobState::Choosing, _) => return format!("trying methods, {:.0} s", status.seconds),
-        (JobState::Paused, Some(reason)) => return format!("{} passes, {reason}", status.passes_done),
-        _ => {}
+        (JobState::Queued, _) if status.waiting_for_memory => {
+            Some("waiting for memory that other jobs hold".to_owned())
+        }
+        (JobState::Queued, _) => Some("waiting for a worker".to_owned()),
+        (JobState::Choosing, _) => Some("trying methods".to_owned()),
+        (JobState::Paused, Some(reason)) => Some(format!("{passes} passes, {reason}")),
+        _ => None,
+    }
+}
+
+fn description(status: &JobStatus) -> String {
+    if let Some(state) = state(status) {
+        return state;
     }
     let total = status.passes_total.map(|total| format!(" of {total}")).unwrap_or_default();
     let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();

@@ -2,22 +2,20 @@
 
 use clap::Args;
 
-use super::client::CoordinatorOption;
 use super::exit_code::CliError;
+use super::one_job::OneJob;
 
 /// Let a paused job go on.
 ///
 /// Also one that paused because the disk was full, or because workers were lost over it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Resume {
-    /// The job's id.
-    id: String,
     #[command(flatten)]
-    coordinator: CoordinatorOption,
+    job: OneJob,
 }
 
 impl Resume {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        self.coordinator.client()?.control(&self.id, "/resume").await.map(drop)
+        self.job.answer(&self.job.client()?.control(&self.job.id, "/resume").await?)
     }
 }

@@ -1,23 +1,39 @@
-//! `rm`: deletes a job and its pictures.
+//! `rm`: deletes a job and its pictures, or a scene.
 
 use clap::Args;
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
+use super::terminal;
 
-/// Delete a job and its pictures.
+/// Delete a job and its pictures, or a scene that no job refers to.
 ///
-/// One that runs is cancelled first.
+/// A job that runs is cancelled first.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Remove {
     /// The job's id.
-    id: String,
+    #[arg(required_unless_present = "scene")]
+    id: Option<String>,
+    /// The scene's hash.
+    #[arg(long, value_name = "HASH", conflicts_with = "id")]
+    scene: Option<String>,
+    /// Print what was deleted as JSON.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     coordinator: CoordinatorOption,
 }
 
 impl Remove {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        self.coordinator.client()?.delete(&self.id).await
+        let client = self.coordinator.client()?;
+        if let Some(id) = &self.id {
+            client.delete_job(id).await?;
+        }
+        if let Some(hash) = &self.scene {
+            client.delete_scene(hash).await?;
+        }
+        let deleted = serde_json::json!({ "deleted": self.id.or(self.scene) });
+        if self.json { terminal::json(&deleted) } else { Ok(()) }
     }
 }

@@ -12,6 +12,10 @@ use crate::farm::{CoordinatorOptions, LocalFarm};
 
 /// How long shards that are being traced are waited for.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(60);
+/// Running jobs that are named when the coordinator stops.
+const LISTED_JOBS: usize = 10;
+/// The longest pause between snapshots, seconds: a day.
+const LONGEST_INTERVAL: f64 = 86_400.0;
 
 /// Run a coordinator.
 ///
@@ -89,16 +93,23 @@ impl Serve {
             options.limits.job_memory = (memory * f64::from(1 << 30)) as u64;
         }
         options.keep_ended = self.keep_days.map(|days| Duration::from_secs(86_400 * u64::from(days)));
-        options.snapshot_interval = Duration::try_from_secs_f64(self.snapshot_interval)
-            .map_err(|problem| CliError::BadInput(format!("--snapshot-interval: {problem}")))?;
+        let interval = self.snapshot_interval;
+        if !(0.0..=LONGEST_INTERVAL).contains(&interval) {
+            let text = format!("--snapshot-interval is {interval}; give 0 to {LONGEST_INTERVAL} seconds");
+            return Err(CliError::BadInput(text));
+        }
+        options.snapshot_interval = Duration::from_secs_f64(interval);
         Ok(options)
     }
 
     /// Waits for what is being traced. A further Ctrl-C ends that at once.
     async fn drain(&self, farm: &LocalFarm) {
         let running: Vec<_> = farm.client().jobs().into_iter().filter(|job| !job.state.is_final()).collect();
-        for job in &running {
+        for job in running.iter().take(LISTED_JOBS) {
             terminal::note(&format!("job {} is {} after {} passes", job.id, job.state.name(), job.passes_done));
+        }
+        if running.len() > LISTED_JOBS {
+            terminal::note(&format!("and {} further jobs", running.len() - LISTED_JOBS));
         }
         if farm.client().leases() > 0 {
             terminal::note("waiting for the shards that are being traced; press Ctrl-C again to stop now");

@@ -46,18 +46,18 @@ impl Store {
     pub(super) async fn run(self) -> Result<(), CliError> {
         match self.task {
             Task::Check { store } => {
-                let report = store.open().await?.check().await?;
+                let report = store.open_existing().await?.check().await?;
                 terminal::json(&report)?;
                 match report.problems.len() {
                     0 => Ok(()),
                     count => Err(CliError::File(format!("{count} blobs are missing or damaged"))),
                 }
             }
-            Task::Export { file, store } => Ok(store.open().await?.export(&file).await?),
+            Task::Export { file, store } => Ok(store.open_existing().await?.export(&file).await?),
             Task::Gc { store } => {
                 let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
                 let before = now.saturating_sub(GRACE).as_millis() as i64;
-                terminal::json(&store.open().await?.clean_up(before).await?)
+                terminal::json(&store.open_existing().await?.clean_up(before).await?)
             }
         }
     }

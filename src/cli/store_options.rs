@@ -56,7 +56,17 @@ impl StoreOptions {
         Ok(Some(location))
     }
 
-    /// Opens the store.
+    /// Opens a store that is there.
+    pub(super) async fn open_existing(&self) -> Result<Store, CliError> {
+        let missing = self.location()?.map(|location| location.folder).filter(|folder| !folder.exists());
+        if let Some(folder) = missing {
+            let text = format!("there is no store in {}; give its folder with --data", folder.display());
+            return Err(CliError::BadInput(text));
+        }
+        self.open().await
+    }
+
+    /// Opens the store, a new one where there is none.
     pub(super) async fn open(&self) -> Result<Store, CliError> {
         Ok(match self.location()? {
             Some(location) => Store::open(&location).await?,

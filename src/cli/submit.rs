@@ -14,6 +14,9 @@ use super::{scene_file, terminal};
 pub(super) struct Submit {
     #[command(flatten)]
     job: JobOptions,
+    /// Print the job's status as JSON instead.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     coordinator: CoordinatorOption,
 }
@@ -26,6 +29,6 @@ impl Submit {
         for notice in &job.notices {
             terminal::note(&format!("note: {notice}"));
         }
-        terminal::result(&job.id)
+        if self.json { terminal::json(&job) } else { terminal::result(&job.id) }
     }
 }

@@ -6,7 +6,8 @@ use super::client::CoordinatorOption;
 use super::exit_code::CliError;
 use super::progress::Progress;
 use super::signals;
-use crate::farm::job::JobState;
+use super::terminal;
+use crate::farm::job::{JobState, JobStatus};
 
 /// Follow a job until it ends.
 ///
@@ -15,6 +16,9 @@ use crate::farm::job::JobState;
 pub(super) struct Watch {
     /// The job's id.
     id: String,
+    /// Print every status as a line of JSON.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     coordinator: CoordinatorOption,
 }
@@ -23,8 +27,11 @@ impl Watch {
     pub(super) async fn run(self) -> Result<(), CliError> {
         let client = self.coordinator.client()?;
         let mut progress = Progress::new();
+        let show = |status: &JobStatus| {
+            if self.json { print_line(status) } else { progress.show(status) }
+        };
         let status = tokio::select! {
-            status = client.follow(&self.id, |status| progress.show(status)) => status?,
+            status = client.follow(&self.id, show) => status?,
             interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
         };
         progress.finish();
@@ -33,5 +40,12 @@ impl Watch {
             JobState::Cancelled => Err(CliError::Failed(format!("job {} was cancelled", status.id))),
             _ => Ok(()),
         }
+    }
+}
+
+fn print_line(status: &JobStatus) {
+    let line = serde_json::to_string(status).map_err(CliError::failed).and_then(|line| terminal::result(&line));
+    if let Err(problem) = line {
+        terminal::note(&problem.to_string());
     }
 }

@@ -73,6 +73,12 @@ pub enum FarmError {
         /// What the store says.
         problem: String,
     },
+    /// Something that was stored is gone.
+    #[error("{problem}; it was lost or changed behind the coordinator's back")]
+    Lost {
+        /// What the store says.
+        problem: String,
+    },
     /// The coordinator is stopping and takes no new work.
     #[error("the coordinator is shutting down; try again when it is back")]
     ShuttingDown,
@@ -83,6 +89,7 @@ pub enum FarmError {
 
 impl From<StoreError> for FarmError {
     fn from(error: StoreError) -> Self {
-        Self::Store { problem: error.to_string() }
+        let problem = error.to_string();
+        if error.is_for_good() { Self::Lost { problem } } else { Self::Store { problem } }
     }
 }

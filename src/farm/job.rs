@@ -193,6 +193,9 @@ pub struct JobStatus {
     /// Since when no worker is there that could trace it, seconds since 1970.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub waiting_for_workers_since: Option<u64>,
+    /// Whether it cannot begin because other jobs, also paused ones, hold the coordinator's memory.
+    #[serde(default)]
+    pub waiting_for_memory: bool,
     /// What people call it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,

@@ -2,9 +2,9 @@
 //!
 //! # One pass, from lease to picture
 //!
-//! 1. A user uploads a scene and submits a job. The [coordinator](CoordinatorHandle) checks both and queues the job in the
-//!    [`rules`]. It traces no path of a job; only for [layers](CoordinatorHandle::picture_with_layers) it looks at first
-//!    surfaces, and where the method is `auto` it lets methods try a small picture ([`coordinator::request`]).
+//! 1. A user uploads a scene and submits a job. The [coordinator](CoordinatorHandle) checks both, [stores](store) the job, and tells the
+//!    [`rules`]. It never traces: whatever has to be traced is leased to workers, also the trials of methods where the method is `auto`, and
+//!    the first surfaces that [layers](CoordinatorHandle::picture_with_layers) need.
 //! 2. A [worker](worker) registers over [HTTP](http) and asks for a lease. The first work of a job is its **pilot**:
 //!    first gather radii and the counted cost of a pass. From that follows the [plan](rules::plan), how passes are cut into shards
 //!    and epochs. It depends on the scene and the job alone, never on workers or time.
@@ -24,14 +24,16 @@
 //!
 //! # Where to look
 //!
-//! | module | what it decides |
+//! | module | what it does |
 //! |---|---|
-//! | [`plan`] | how a job is cut |
-//! | [`rules`], [`progress`], [`lease`], [`roster`] | who traces what: a state machine without clock, locks or I/O |
-//! | [`merging`] | order of merges, radius fields |
-//! | [`coordinator`], [`request`], [`server`] | the same behind locks, HTTP and a clock |
-//! | `layers` | pictures with further channels |
-//! | [`worker`] | the other end |
+//! | [`rules`] | who traces what: a state machine without clock, locks or I/O; [`rules::plan`] cuts a job |
+//! | [`merging`], [`snapshot`] | a job's merge state: order of merges, radius fields; the same as bytes |
+//! | [`store`] | what outlives the process: records in SQL, blobs in folders or buckets |
+//! | [`coordinator`] | the loop between them: locks, a clock, users' requests, what is stored when |
+//! | [`http`], [`wire`] | the workers' protocol |
+//! | [`worker`] | the other end; [`worker::dial`] opens its connections |
+//! | [`method_choice`], [`prepared_scenes`], [`tls`] | trials of methods; the scenes of this process; the cryptography of its clients |
+//! | [`local_farm`] | all of it inside a program |
 
 pub mod coordinator;
 pub mod error;
@@ -46,6 +48,7 @@ pub mod prepared_scenes;
 pub mod rules;
 pub mod snapshot;
 pub mod store;
+pub mod tls;
 pub mod wire;
 pub mod worker;
 

@@ -4,6 +4,6 @@ use std::time::Duration;
 
 /// A client that gives up after `patience`.
 pub(crate) fn http_client(patience: Duration) -> reqwest::Client {
-    photonfarm::tls::use_ring();
+    photonfarm::farm::tls::use_ring();
     reqwest::Client::builder().no_proxy().timeout(patience).build().expect("a client")
 }

@@ -18,6 +18,13 @@ use crate::farm::store::jobs::Snapshots;
 impl Shared {
     /// Lets a user's event happen between two merges, so that what the answer says is what stays.
     pub(super) async fn control(self: &Arc<Self>, id: JobId, event: Event) -> Result<JobStatus, FarmError> {
+        let job = self.job(id)?;
+        let _turn = job.users.take().await?;
+        self.control_in_turn(id, event).await
+    }
+
+    async fn control_in_turn(self: &Arc<Self>, id: JobId, event: Event) -> Result<JobStatus, FarmError> {
+        // It may have been deleted while this waited for its turn.
         let (shared, job) = (self.clone(), self.job(id)?);
         let is_cancel = matches!(event, Event::JobCancelled { .. });
         let status = blocking(move || {
@@ -35,6 +42,8 @@ impl Shared {
 
     pub(super) async fn change_job(self: &Arc<Self>, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
         let job = self.job(id)?;
+        let _turn = job.users.take().await?;
+        self.job(id)?;
         {
             let mut facts = lock(&job.facts);
             let mut request = facts.request.clone();
@@ -60,10 +69,13 @@ impl Shared {
     pub(super) async fn extend(self: &Arc<Self>, id: JobId, stop: StopRule) -> Result<JobStatus, FarmError> {
         request::check_stop(stop)?;
         let job = self.job(id)?;
+        let _turn = job.users.take().await?;
+        self.job(id)?;
         let status = self.lock().status(&job, &self.clock);
         if !status.state.is_final() {
             return Err(wrong_state(id, status.state));
         }
+        self.check_room(&self.lock())?;
         check_longer(&status, stop)?;
         // What is being stored of its end is stored first.
         self.stored_in_time().await?;
@@ -85,6 +97,16 @@ impl Shared {
 
     /// The last state of an ended job that the longer job passes through, too.
     async fn state_to_extend(&self, job: &Arc<JobRecord>, stop: StopRule) -> Result<Merging, FarmError> {
+        let merging = self.last_shared_state(job, stop).await?;
+        if !merging.is_of_longer_jobs() {
+            let passes = merging.plan.passes_after(merging.merged());
+            let problem = format!("job {} has half of the passes up to {passes} already", job.id);
+            return Err(FarmError::BadRequest { problem, remedy: format!("extend it to at least {passes} passes") });
+        }
+        Ok(merging)
+    }
+
+    async fn last_shared_state(&self, job: &Arc<JobRecord>, stop: StopRule) -> Result<Merging, FarmError> {
         let record = job.clone();
         let in_memory = blocking(move || {
             let merging = lock(&record.merging);
@@ -114,7 +136,8 @@ impl Shared {
     /// Deletes a job; one that runs is cancelled first.
     pub(super) async fn delete_job(self: &Arc<Self>, id: JobId) -> Result<(), FarmError> {
         let job = self.job(id)?;
-        self.control(id, Event::JobCancelled { job: id }).await?;
+        let _turn = job.users.take().await?;
+        self.control_in_turn(id, Event::JobCancelled { job: id }).await?;
         Ok(self.erase(&job).await?)
     }
 }

@@ -6,7 +6,8 @@ use std::time::Duration;
 use super::keeper::Chore;
 use super::request::{self, ResolvedMethod};
 use super::scenes::SceneRecord;
-use super::shared::{JobFacts, JobRecord, Shared};
+use super::shared::{JobFacts, JobRecord, Shared, State};
+use crate::estimate::{Declaration, Estimate, RadiusRule, Region};
 use crate::evaluation::DEFAULT_ERROR;
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
@@ -33,6 +34,7 @@ pub struct JobChanges {
 impl Shared {
     pub(super) async fn submit(&self, request: JobRequest) -> Result<JobId, FarmError> {
         request::check_labels(&request)?;
+        let _turn = self.catalogue.take().await?;
         let scene = self.scene(&request.scene)?;
         let (description, terms) = self.agree(&request, &scene)?;
         let (id, unix) = self.next_id()?;
@@ -63,6 +65,15 @@ impl Shared {
     /// The id of the next job, if one is taken at all, and the time since 1970.
     fn next_id(&self) -> Result<(JobId, Duration), FarmError> {
         let mut state = self.lock();
+        self.check_room(&state)?;
+        let unix = self.clock.unix(self.clock.now());
+        let id = JobId::after(state.last_job, unix.as_millis() as u64);
+        state.last_job = Some(id);
+        Ok((id, unix))
+    }
+
+    /// Whether one more job may be live.
+    pub(super) fn check_room(&self, state: &State) -> Result<(), FarmError> {
         if state.is_closed {
             return Err(FarmError::ShuttingDown);
         }
@@ -71,10 +82,7 @@ impl Shared {
             let problem = format!("{} jobs wait or run already", limits.live_jobs);
             return Err(FarmError::Busy { problem, retry_after: limits.retry_after() });
         }
-        let unix = self.clock.unix(self.clock.now());
-        let id = JobId::after(state.last_job, unix.as_millis() as u64);
-        state.last_job = Some(id);
-        Ok((id, unix))
+        Ok(())
     }
 
     /// What a request comes to, before anything is traced.
@@ -94,7 +102,7 @@ impl Shared {
             let stop = request::resolve_stop(request.stop, &resolved.method)?;
             (Some(resolved.method), stop)
         };
-        let memory = pixels * bytes_per_pixel(method.as_ref());
+        let memory = pixels * bytes_per_pixel(method.as_ref())?;
         let limit = self.options.limits.job_memory;
         if memory > limit {
             return Err(FarmError::TooLarge { what: "the memory in bytes that the job needs", found: memory, limit });
@@ -118,11 +126,13 @@ impl Shared {
         let resolved = request::resolve_method(&request, scene.integrator.as_ref(), pixels, scene.traits)?;
         let ResolvedMethod { method, notices } = resolved;
         let stop = request::resolve_stop(request.stop, &method)?;
+        let memory = pixels * bytes_per_pixel(Some(&method))?;
         let terms = {
             let mut facts = lock(&job.facts);
             facts.description.method = Some(method);
             facts.terms.stop = stop;
             facts.terms.chooses_method = false;
+            facts.terms.memory = memory;
             facts.terms.clone()
         };
         let reasons = std::iter::once(reason).chain(notices).collect();
@@ -132,16 +142,16 @@ impl Shared {
     }
 }
 
-/// Bytes of memory a pixel that a running job needs: its estimate, a copy of it for snapshots, and radius fields of five epochs.
-fn bytes_per_pixel(method: Option<&CheckedMethod>) -> u64 {
-    /// Two twins of a radiance.
-    const RADIANCE: u64 = 2 * 3 * 8;
-    /// The same with flux, inner flux, radius and photons.
-    const GATHERING: u64 = 128;
-    const FIELDS: u64 = 5 * 4;
-    let declaration = method.and_then(|method| method::declaration(method).ok());
-    match declaration {
-        Some(declaration) if !declaration.has_radii() => 2 * RADIANCE,
-        _ => 2 * GATHERING + FIELDS,
-    }
+/// Bytes of memory a pixel that a running job needs: its estimate, a copy of it for snapshots, and radius fields of five epochs. As much as any
+/// method needs while none is chosen.
+fn bytes_per_pixel(method: Option<&CheckedMethod>) -> Result<u64, FarmError> {
+    const FIELDS: u64 = 5 * size_of::<f32>() as u64;
+    let declaration = match method {
+        Some(method) => method::declaration(method)?,
+        None => Arc::new(Declaration::gathering(RadiusRule::Statistics, 1.0)),
+    };
+    let (fields, first): (u64, &[f32]) = if declaration.has_radii() { (FIELDS, &[1.0]) } else { (0, &[]) };
+    let pixel = Estimate::new(1, 1, &[Region { row_start: 0, row_end: 1 }], declaration, first);
+    let pixel = pixel.map_err(|problem| FarmError::Internal(problem.to_string()))?;
+    Ok(2 * pixel.bytes_per_pixel() as u64 + fields)
 }

@@ -17,7 +17,6 @@ use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::job::JobState;
 use crate::farm::locks::lock;
-use crate::farm::merging::Merging;
 use crate::farm::rules::job::Job;
 use crate::farm::rules::terms::PauseReason;
 use crate::farm::rules::{Answer, Event, Rollback};
@@ -195,11 +194,14 @@ impl Keeper {
             if due > now {
                 continue;
             }
-            if let Err(problem) = self.snapshot(shared, &job).await {
-                self.store_fails(shared, &problem);
-                self.due.insert(job.id, Instant::now() + RETRY);
-            } else {
-                self.store_works(shared);
+            match self.snapshot(shared, &job).await {
+                Ok(true) => self.store_works(shared),
+                // Nothing was written, so nothing is known of the store.
+                Ok(false) => {}
+                Err(problem) => {
+                    self.store_fails(shared, &problem);
+                    self.due.insert(job.id, Instant::now() + RETRY);
+                }
             }
         }
     }
@@ -212,15 +214,16 @@ impl Keeper {
         let jobs: Vec<Arc<JobRecord>> = shared.lock().jobs.values().cloned().collect();
         for job in jobs {
             let is_old = lock(&job.facts).ended.is_some_and(|ended| ended < before);
-            if is_old && let Err(problem) = shared.erase(&job).await {
+            let Some(_turn) = job.users.take_now().filter(|_| is_old) else { continue };
+            if let Err(problem) = shared.erase(&job).await {
                 self.store_fails(shared, &problem);
                 return;
             }
         }
     }
 
-    /// Stores a running job's merged state, if it is one from which any longer job can go on.
-    async fn snapshot(&mut self, shared: &Arc<Shared>, job: &Arc<JobRecord>) -> Result<(), StoreError> {
+    /// Stores a running job's merged state, if it is one from which any longer job can go on. Answers whether there was something to store.
+    async fn snapshot(&mut self, shared: &Arc<Shared>, job: &Arc<JobRecord>) -> Result<bool, StoreError> {
         let start = Instant::now();
         let record = job.clone();
         let encoded = tokio::task::spawn_blocking(move || {
@@ -230,6 +233,7 @@ impl Keeper {
             };
             snapshot.and_then(|snapshot| Some((snapshot.merged, snapshot.encode().ok()?)))
         });
+        let mut is_written = false;
         if let Ok(Some((merged, bytes))) = encoded.await {
             let name = BlobName::of_snapshot(job.id, merged, &bytes);
             let known = lock(&job.facts).snapshots.clone();
@@ -241,11 +245,12 @@ impl Keeper {
                 if let Some(old) = known.earlier {
                     shared.store.blobs().delete(&old).await?;
                 }
+                is_written = true;
             }
         }
         let pause = shared.options.snapshot_interval.max(start.elapsed() * SNAPSHOT_SHARE);
         self.due.insert(job.id, Instant::now() + pause);
-        Ok(())
+        Ok(is_written)
     }
 
     /// Stores the final state of an ended job; from then on it costs memory only while somebody looks.
@@ -289,10 +294,14 @@ impl Shared {
     }
 
     /// Returns when everything that was handed to the keeper so far is stored.
-    pub(super) async fn stored(&self) {
+    ///
+    /// # Errors
+    /// Nothing is stored any more.
+    pub(super) async fn stored(&self) -> Result<(), FarmError> {
         let (sender, receiver) = oneshot::channel();
         self.leave_to_keeper(Chore::Barrier(sender));
-        let _ = receiver.await;
+        let ended = |_| FarmError::Store { problem: "nothing is stored any more; restart the coordinator".to_owned() };
+        receiver.await.map_err(ended)
     }
 
     /// The same for somebody who waits for an answer.
@@ -301,12 +310,13 @@ impl Shared {
     /// The store does not get it done in time, for example because the disk is full. It is stored later.
     pub(super) async fn stored_in_time(&self) -> Result<(), FarmError> {
         let late = |_| FarmError::Store { problem: "it is done, but the store does not take it yet".to_owned() };
-        timeout(ANSWER_PATIENCE, self.stored()).await.map_err(late)
+        timeout(ANSWER_PATIENCE, self.stored()).await.map_err(late)?
     }
 
     /// Nothing of a job stays.
     pub(super) async fn erase(&self, job: &JobRecord) -> Result<(), StoreError> {
         self.store.delete_job(job.id).await?;
+        self.apply(Event::JobErased { job: job.id });
         self.lock().jobs.remove(&job.id);
         self.viewed.remove(job.id);
         let snapshots = lock(&job.facts).snapshots.clone();
@@ -331,60 +341,6 @@ impl Shared {
         let found = state.rules.jobs().filter(|(_, job)| are(job));
         found.filter_map(|(id, _)| state.jobs.get(&id).cloned()).collect()
     }
-
-    /// Lets a job go on from its newest good snapshot.
-    pub(super) async fn restore(&self, job: &JobRecord) -> Result<(), StoreError> {
-        let found = self.newest_good(job, |_| true).await?;
-        self.go_on(job, found.map(|found| found.merging));
-        Ok(())
-    }
-
-    /// Lets a job go on from its newest good snapshot of at most `keep` shards; of none where there is none. Later ones are forgotten
-    /// first, so that no restart goes on from them.
-    async fn roll_back(&self, job: &JobRecord, keep: Option<u64>) -> Result<(), StoreError> {
-        let found = self.newest_good(job, |merged| keep.is_some_and(|most| merged <= most)).await?;
-        let (newest, merging) = found.map(|found| (found.name, found.merging)).unzip();
-        let kept = Snapshots { newest, ..Snapshots::default() };
-        let old = std::mem::replace(&mut lock(&job.facts).snapshots, kept.clone());
-        self.store.update_job(&self.row(job)).await?;
-        for name in old.all().filter(|name| !kept.all().any(|kept| kept == *name)) {
-            self.store.blobs().delete(name).await?;
-        }
-        let mut place = lock(&job.merging);
-        {
-            let state = self.lock();
-            // A job that was cancelled meanwhile stays cancelled.
-            let Some(progress) = state.rules.job(job.id).filter(|progress| progress.is_rolling_back) else {
-                return Ok(());
-            };
-            let mut facts = lock(&job.facts);
-            (facts.pause, facts.ran) = (progress.pause.clone(), progress.ran(self.clock.now()));
-            facts.history.clone_from(&progress.history);
-        }
-        self.replace_state(job, &mut place, merging);
-        Ok(())
-    }
-
-    /// The newest snapshot that can be read and whose number of merged shards `fits`.
-    async fn newest_good(&self, job: &JobRecord, fits: impl Fn(u64) -> bool) -> Result<Option<Found>, StoreError> {
-        let snapshots = lock(&job.facts).snapshots.clone();
-        for name in snapshots.all() {
-            match self.load(job, name).await {
-                Ok(merging) if fits(merging.merged()) => return Ok(Some(Found { name: name.clone(), merging })),
-                Ok(_) => {}
-                Err(problem @ StoreError::Damaged { .. }) => tracing::error!(target: EVENTS, "{problem}"),
-                Err(problem) if problem.is_temporary() || problem.is_full() => return Err(problem),
-                Err(problem) => tracing::error!(target: EVENTS, "job {}: {problem}", job.id),
-            }
-        }
-        Ok(None)
-    }
-}
-
-/// A stored state.
-struct Found {
-    name: BlobName,
-    merging: Merging,
 }
 
 /// Whether the rules accepted it.

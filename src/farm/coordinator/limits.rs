@@ -20,6 +20,8 @@ pub struct Limits {
     pub live_jobs: usize,
     /// Uploads at the same time.
     pub uploads: usize,
+    /// Seconds without a byte after which an upload is given up.
+    pub upload_silence: u64,
     /// Bytes of memory for the states of all running jobs together. Jobs that do not fit wait; a job that never will is refused.
     pub job_memory: u64,
     /// Seconds after which a refused request may be repeated.
@@ -34,6 +36,7 @@ impl Default for Limits {
             pixels: 100_000_000,
             live_jobs: 1000,
             uploads: 4,
+            upload_silence: 30,
             job_memory: total_memory().map_or(8 * GIB, |total| total / 2),
             retry_after: 5,
         }

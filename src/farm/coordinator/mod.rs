@@ -9,7 +9,7 @@
 //! | `shared` | events go in, effects are carried out |
 //! | `scenes`, `jobs`, `control` | what users ask for |
 //! | `results` | what workers deliver |
-//! | `keeper`, `records` | what is stored, and how it comes back |
+//! | `keeper`, `records`, `restoring` | what is stored, and how it comes back |
 //! | `viewed`, `layers` | pictures, also of jobs that ended long ago |
 //! | [`request`], `status` | what users say and are told |
 
@@ -20,6 +20,7 @@ mod layers;
 mod limits;
 mod records;
 pub mod request;
+mod restoring;
 mod results;
 mod scenes;
 mod shared;
@@ -212,8 +213,11 @@ impl CoordinatorHandle {
     }
 
     /// Returns when everything that happened so far is stored.
-    pub async fn stored(&self) {
-        self.shared.stored().await;
+    ///
+    /// # Errors
+    /// Nothing is stored any more.
+    pub async fn stored(&self) -> Result<(), FarmError> {
+        self.shared.stored().await
     }
 
     /// All workers that are registered, in the order in which they came.

@@ -91,6 +91,11 @@ const TAG_BYTES: usize = 100;
 
 /// Checks name and tags.
 pub fn check_labels(request: &JobRequest) -> Result<(), FarmError> {
+    let labels = request.name.iter().chain(&request.tags);
+    if labels.flat_map(|label| label.chars()).any(char::is_control) {
+        let problem = "name or tags hold control characters".to_owned();
+        return Err(FarmError::BadRequest { problem, remedy: "leave them out".to_owned() });
+    }
     if request.name.as_ref().is_some_and(|name| name.len() > NAME_BYTES) {
         let problem = "the name is too long".to_owned();
         return Err(FarmError::BadRequest { problem, remedy: format!("give at most {NAME_BYTES} bytes") });

@@ -9,6 +9,7 @@ use tokio::sync::OwnedSemaphorePermit;
 use super::shared::{Shared, blocking};
 use crate::farm::error::FarmError;
 use crate::farm::prepared_scenes::prepare_scene;
+use crate::farm::rules::Event;
 use crate::farm::store::blobs::Uploaded;
 use crate::farm::store::scenes::SceneRow;
 use crate::farm::store::{BlobName, StoreError, Upload};
@@ -55,7 +56,20 @@ impl Shared {
 
     pub(super) async fn scene_bytes(&self, hash: &str) -> Result<Bytes, FarmError> {
         self.scene(hash)?;
-        Ok(self.store.blobs().get(&BlobName::of_scene(hash)).await?)
+        let bytes = self.store.blobs().get(&BlobName::of_scene(hash)).await;
+        if let Err(problem) = &bytes
+            && problem.is_for_good()
+        {
+            self.fail_jobs_of(hash, problem);
+        }
+        Ok(bytes?)
+    }
+
+    /// No worker will ever have the scene.
+    fn fail_jobs_of(&self, hash: &str, problem: &StoreError) {
+        for job in self.live_jobs().into_iter().filter(|job| job.description().scene == hash) {
+            self.apply(Event::JobFailed { job: job.id, problem: format!("its scene is lost: {problem}") });
+        }
     }
 
     /// Makes place for an upload; at most so many at a time.
@@ -71,20 +85,23 @@ impl Shared {
 
     /// Checks an uploaded scene and keeps it, or leaves nothing of it.
     async fn add_uploaded(&self, uploaded: Uploaded) -> Result<SceneSummary, FarmError> {
-        let Uploaded { hash, bytes } = uploaded;
+        let hash = uploaded.hash.clone();
         if let Ok(known) = self.scene(&hash) {
+            uploaded.discard().await?;
             return Ok(known.summary.clone());
         }
-        let record = match self.check_scene(hash.clone(), bytes).await {
+        let record = match self.check_scene(&uploaded).await {
             Ok(record) => record,
             Err(problem) => {
-                self.store.blobs().delete(&BlobName::of_scene(&hash)).await?;
+                uploaded.discard().await?;
                 return Err(problem);
             }
         };
+        let _turn = self.catalogue.take().await?;
+        uploaded.keep().await?;
         let row = SceneRow {
             hash: hash.clone(),
-            bytes: bytes as i64,
+            bytes: uploaded.bytes as i64,
             created: self.clock.unix_milliseconds(),
             // Plain data with string keys always has a JSON form.
             record: serde_json::to_string(&record).unwrap_or_default(),
@@ -97,9 +114,10 @@ impl Shared {
     }
 
     /// Prepares a scene, so that nobody else in this process has to, and says what it is.
-    async fn check_scene(&self, hash: String, size: u64) -> Result<SceneRecord, FarmError> {
+    async fn check_scene(&self, uploaded: &Uploaded) -> Result<SceneRecord, FarmError> {
+        let hash = uploaded.hash.clone();
         let prepare = async {
-            let bytes = self.store.blobs().get(&BlobName::of_scene(&hash)).await?;
+            let bytes = uploaded.read().await?;
             blocking(move || Ok(Arc::new(prepare_scene(&bytes)?))).await
         };
         let scene = self.options.scenes.get_or_prepare(&hash, prepare).await?;
@@ -111,7 +129,7 @@ impl Shared {
             hash,
             width: scene.width,
             height: scene.height,
-            bytes: size,
+            bytes: uploaded.bytes,
             integrator: scene.integrator.as_ref().map(|integrator| integrator.name.clone()),
             notices: scene.notices.clone(),
         };
@@ -133,6 +151,7 @@ impl Shared {
     }
 
     pub(super) async fn delete_scene(&self, hash: &str) -> Result<(), FarmError> {
+        let _turn = self.catalogue.take().await?;
         {
             let state = self.lock();
             if !state.scenes.contains_key(hash) {

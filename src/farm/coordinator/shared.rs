@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, Weak};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use tokio::sync::{Semaphore, mpsc, watch};
-use tokio::time::Instant;
+use tokio::time::{Instant, timeout};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
@@ -31,6 +31,8 @@ use crate::farm::wire::lease::JobDescription;
 
 /// How often time passes for the rules.
 const TICK: Duration = Duration::from_millis(200);
+/// How long a user's request waits for those before it.
+const TURN_PATIENCE: Duration = Duration::from_secs(15);
 /// Ids of workers and leases that a coordinator may use before those of the next run begin: 2⁴⁰.
 const EPOCH_SHIFT: u32 = 40;
 
@@ -73,6 +75,8 @@ pub(in crate::farm) struct Shared {
     state: Mutex<State>,
     pub(super) seen_first: SeenFirst,
     pub(super) uploads: Arc<Semaphore>,
+    /// Whoever adds or deletes scenes, or jobs that refer to them.
+    pub(super) catalogue: Turn,
     /// Rises whenever a waiting worker should ask again.
     pub(in crate::farm) work: watch::Sender<u64>,
     pub(super) stopped: CancellationToken,
@@ -98,6 +102,28 @@ pub(in crate::farm) struct JobRecord {
     pub(in crate::farm) generation: AtomicU32,
     pub(in crate::farm) merging: Mutex<Option<Merging>>,
     pub(super) status: watch::Sender<JobStatus>,
+    /// Whoever does something to the job for a user.
+    pub(super) users: Turn,
+}
+
+/// What is done one after the other.
+#[derive(Debug, Default)]
+pub(super) struct Turn(tokio::sync::Mutex<()>);
+
+impl Turn {
+    /// Waits for its turn.
+    ///
+    /// # Errors
+    /// Those before do not end, for example because the store does not answer them.
+    pub(super) async fn take(&self) -> Result<tokio::sync::MutexGuard<'_, ()>, FarmError> {
+        let late = |_| FarmError::Store { problem: "others wait for the store already".to_owned() };
+        timeout(TURN_PATIENCE, self.0.lock()).await.map_err(late)
+    }
+
+    /// The turn, if nobody has it.
+    pub(super) fn take_now(&self) -> Option<tokio::sync::MutexGuard<'_, ()>> {
+        self.0.try_lock().ok()
+    }
 }
 
 /// What was asked for, and what was made of it.
@@ -141,6 +167,7 @@ impl JobRecord {
             generation: AtomicU32::new(0),
             merging: Mutex::new(None),
             status: watch::Sender::new(status),
+            users: Turn::default(),
         }
     }
 
@@ -184,6 +211,7 @@ impl Shared {
         let (chores, waiting) = mpsc::unbounded_channel();
         let shared = Self {
             uploads: Arc::new(Semaphore::new(options.limits.uploads)),
+            catalogue: Turn::default(),
             options,
             clock,
             store,
@@ -276,7 +304,9 @@ impl Shared {
         if self.store.is_durable() {
             self.leave_to_keeper(Chore::SnapshotAll);
         }
-        self.stored().await;
+        if let Err(problem) = self.stored().await {
+            tracing::error!(target: EVENTS, "{problem}");
+        }
         self.stopped.cancel();
         self.store.close().await;
     }

@@ -1,12 +1,12 @@
 //! Trust but verify: a share of shards is traced by a second worker and compared bit for bit; a third one decides a mismatch.
 //!
 //! A job waits for its checks before it ends, and before shards are issued that would cost an older check its radii, as long as
-//! somebody is there to do them.
+//! somebody is there to do them. Workers are told apart by their names: who registers anew does not check itself.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use crate::farm::ids::{JobId, WorkerId};
+use crate::farm::ids::JobId;
 
 /// Workers that are asked at most about one shard: with three different results nobody is known to be right.
 const OPINIONS: usize = 5;
@@ -35,9 +35,9 @@ impl CheckShare {
 }
 
 /// What a worker returned for a shard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 struct Opinion {
-    worker: WorkerId,
+    worker: String,
     digest: Digest,
 }
 
@@ -50,7 +50,7 @@ struct Check {
 }
 
 impl Check {
-    fn has_heard(&self, worker: WorkerId) -> bool {
+    fn has_heard(&self, worker: &str) -> bool {
         self.opinions.iter().any(|opinion| opinion.worker == worker)
     }
 }
@@ -72,7 +72,7 @@ pub enum Verdict {
     /// Two results differ: another worker must be asked.
     Undecided,
     /// These workers returned something else than two others.
-    Odd(Vec<WorkerId>),
+    Odd(Vec<String>),
     /// No two of many workers agree.
     Hopeless,
 }
@@ -90,13 +90,18 @@ pub struct Checks {
 }
 
 impl Checks {
+    /// What was found so far, with nothing left to do.
+    pub fn counts(&self) -> Self {
+        Self { pending: BTreeMap::new(), ..*self }
+    }
+
     /// A shard was merged at `now` that is to be checked.
-    pub fn begin(&mut self, now: Duration, shard: u64, worker: WorkerId, digest: Digest) {
+    pub fn begin(&mut self, now: Duration, shard: u64, worker: String, digest: Digest) {
         self.pending.insert(shard, Check { opinions: vec![Opinion { worker, digest }], since: now });
     }
 
     /// A shard that `worker` may trace to check it; none that `is_held`.
-    pub fn next_for(&self, worker: WorkerId, is_held: impl Fn(u64) -> bool) -> Option<u64> {
+    pub fn next_for(&self, worker: &str, is_held: impl Fn(u64) -> bool) -> Option<u64> {
         self.pending
             .iter()
             .find(|(shard, check)| !check.has_heard(worker) && !is_held(**shard))
@@ -104,7 +109,7 @@ impl Checks {
     }
 
     /// Another worker's result for `shard`. `None` when nobody asked.
-    pub fn compare(&mut self, now: Duration, shard: u64, worker: WorkerId, digest: Digest) -> Option<Verdict> {
+    pub fn compare(&mut self, now: Duration, shard: u64, worker: String, digest: Digest) -> Option<Verdict> {
         let check = self.pending.get_mut(&shard)?;
         check.since = now;
         check.opinions.push(Opinion { worker, digest });
@@ -118,8 +123,8 @@ impl Checks {
             self.pending.remove(&shard);
             return Some(Verdict::Hopeless);
         };
-        let odd: Vec<WorkerId> =
-            opinions.iter().filter(|opinion| opinion.digest != right).map(|opinion| opinion.worker).collect();
+        let odd = opinions.iter().filter(|opinion| opinion.digest != right);
+        let odd: Vec<String> = odd.map(|opinion| opinion.worker.clone()).collect();
         self.pending.remove(&shard);
         self.verified += 1;
         Some(if odd.is_empty() { Verdict::Verified } else { Verdict::Odd(odd) })
@@ -136,9 +141,9 @@ impl Checks {
     }
 
     /// Gives up what nobody of `workers` can do, and what nobody did for `patience`; answers it.
-    pub fn give_up(&mut self, now: Duration, patience: Duration, workers: &[WorkerId]) -> Vec<GivenUp> {
+    pub fn give_up(&mut self, now: Duration, patience: Duration, workers: &[String]) -> Vec<GivenUp> {
         let is_hopeless = |_: &u64, check: &mut Check| {
-            workers.iter().all(|worker| check.has_heard(*worker)) || now.saturating_sub(check.since) >= patience
+            workers.iter().all(|worker| check.has_heard(worker)) || now.saturating_sub(check.since) >= patience
         };
         let given_up = self.pending.extract_if(.., is_hopeless);
         let given_up: Vec<GivenUp> =

@@ -89,6 +89,11 @@ pub enum Event {
         /// The job.
         job: JobId,
     },
+    /// A user deleted an ended job: nobody waits for anything of it.
+    JobErased {
+        /// The job.
+        job: JobId,
+    },
     /// Somebody wants to know what the pixels of a job's scene see first.
     FirstSurfacesWanted {
         /// A job with that scene, running or not.
@@ -254,8 +259,6 @@ pub enum Notice {
     },
     /// A worker gets no work for a while.
     SetAside {
-        /// The worker.
-        worker: WorkerId,
         /// Its name.
         name: String,
         /// Of this job, or of any.

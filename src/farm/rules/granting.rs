@@ -33,6 +33,24 @@ const CREDIT: u64 = 1_000_000;
 /// Passes that a pilot takes as long as.
 const PILOT_PASSES: u64 = 3;
 
+/// Memory for jobs that have not begun, given in the order of their arrival: whoever comes later must not take what an earlier one waits for.
+struct Admission {
+    /// Bytes; `None` for any number.
+    free: Option<u64>,
+}
+
+impl Admission {
+    /// Whether a job may begin, or has begun. Must be asked for all jobs before, too.
+    fn admits(&mut self, job: &Job) -> bool {
+        if job.is_admitted || job.terms.chooses_method {
+            return true;
+        }
+        let fits = self.free.is_none_or(|free| job.terms.memory <= free);
+        self.free = self.free.map(|free| if fits { free - job.terms.memory } else { 0 });
+        fits
+    }
+}
+
 /// Work that a worker may be given.
 struct Candidate {
     job: JobId,
@@ -82,21 +100,12 @@ impl Rules {
 
     /// The work of the job whose turn it is.
     fn choose(&self, now: Duration, worker: WorkerId, held: usize) -> Option<Candidate> {
-        let mut memory = self.free_memory();
+        let mut admission = self.admission();
         let mut best: Option<Candidate> = None;
         let mut all_scarce = true;
-        for (id, job) in &self.jobs {
-            if !job.takes_workers() {
+        for (id, job) in self.jobs.iter().filter(|(_, job)| job.takes_workers()) {
+            if !admission.admits(job) {
                 continue;
-            }
-            if !job.is_admitted && !job.terms.chooses_method {
-                // Whoever comes later must not take the memory that this one waits for.
-                let fits = memory.is_none_or(|free| job.terms.memory <= free);
-                memory = memory.map(|free| free.saturating_sub(job.terms.memory));
-                if !fits {
-                    memory = Some(0);
-                    continue;
-                }
             }
             let Some(candidate) = self.candidate(now, worker, held, *id, job) else { continue };
             all_scarce &= candidate.is_scarce;
@@ -107,13 +116,21 @@ impl Rules {
         best.filter(|_| held == 0 || !all_scarce)
     }
 
-    /// Bytes left for jobs that have not begun; `None` for any number, when nothing runs: a job that needs more than all would else wait
-    /// for ever.
-    fn free_memory(&self) -> Option<u64> {
+    /// What is left beside the jobs that run. All is free when nothing runs: a job that needs more than all would else wait for ever.
+    fn admission(&self) -> Admission {
         let mut running = self.jobs.values().filter(|job| job.is_admitted && !job.has_ended()).peekable();
-        running.peek()?;
+        if running.peek().is_none() {
+            return Admission { free: None };
+        }
         let used = running.map(|job| job.terms.memory).fold(0, u64::saturating_add);
-        Some(self.options.memory_budget.saturating_sub(used))
+        Admission { free: Some(self.options.memory_budget.saturating_sub(used)) }
+    }
+
+    /// Whether a job cannot begin because others use the memory that it needs.
+    pub fn waits_for_memory(&self, id: JobId) -> bool {
+        let mut admission = self.admission();
+        let waiting = self.jobs.range(..=id).filter(|(_, job)| job.takes_workers());
+        waiting.map(|(other, job)| (*other, admission.admits(job))).last() == Some((id, false))
     }
 
     fn candidate(&self, now: Duration, worker: WorkerId, held: usize, id: JobId, job: &Job) -> Option<Candidate> {
@@ -121,7 +138,8 @@ impl Rules {
             return None;
         }
         let is_held = |shard| self.leases.of_work(id, WorkIndex::Check(shard)).next().is_some();
-        let check = job.checks.next_for(worker, is_held).and_then(|shard| job.work(WorkIndex::Check(shard)));
+        let name = self.roster.get(worker).map_or("", |record| &record.name);
+        let check = job.checks.next_for(name, is_held).and_then(|shard| job.work(WorkIndex::Check(shard)));
         let has_others = || self.roster.has_other(worker, id, now, self.options.lease_duration);
         let fresh = || job.next_work(worker, has_others);
         let work = check.or_else(fresh).or_else(|| self.overdue_work(now, worker, held, id, job))?;

@@ -22,9 +22,9 @@ const LOSSES_PER_WORK: usize = 3;
 
 /// How far a job had come when its first shard of this run was leased: its rate is measured from there.
 #[derive(Clone, Copy, Debug)]
-struct RateStart {
-    passes: u32,
-    ran: Duration,
+pub(super) struct RateStart {
+    pub(super) passes: u32,
+    pub(super) ran: Duration,
 }
 
 /// How far a job has come.
@@ -53,7 +53,7 @@ pub struct Job {
     /// Part of it must be done again; until the adapter has restored the rest nothing is leased or taken.
     pub is_rolling_back: bool,
     ran: RunningTime,
-    rate_from: Option<RateStart>,
+    pub(super) rate_from: Option<RateStart>,
     /// Shards at which it ends; known after the pilot.
     limit: u64,
     next_index: u64,
@@ -62,7 +62,8 @@ pub struct Job {
     fencing: BTreeMap<WorkIndex, Fencing>,
     failures: BTreeMap<WorkIndex, Vec<WorkerId>>,
     losses: BTreeMap<WorkIndex, BTreeSet<WorkerId>>,
-    contributions: BTreeMap<WorkerId, WorkIndex>,
+    /// The first work of the merged state by the names of those who did it: who registers anew is the same.
+    contributions: BTreeMap<String, WorkIndex>,
     seconds_are_over: bool,
     seconds_per_pass: Option<f64>,
 }
@@ -210,7 +211,7 @@ impl Job {
     }
 
     /// Records that the result of `worker` was taken, for work that was leased `took` ago.
-    pub fn arrive(&mut self, work: &Work, worker: WorkerId, took: Duration) {
+    pub fn arrive(&mut self, work: &Work, worker: String, took: Duration) {
         let index = work.index();
         self.returned.remove(&index);
         self.fencing.remove(&index);
@@ -227,8 +228,21 @@ impl Job {
     }
 
     /// The first work that `worker` contributed to the merged state.
-    pub fn first_contribution(&self, worker: WorkerId) -> Option<WorkIndex> {
-        self.contributions.get(&worker).copied()
+    pub fn first_contribution(&self, worker: &str) -> Option<WorkIndex> {
+        self.contributions.get(worker).copied()
+    }
+
+    /// Part of the job is done again: what is known of checks, and of who contributed to what stays merged, stays known.
+    pub fn remember(&mut self, before: &Self) {
+        let kept = WorkIndex::Shard(self.totals.shards);
+        let stays = |index: &WorkIndex| self.plan.is_some() && *index < kept;
+        self.contributions = before
+            .contributions
+            .iter()
+            .filter(|(_, index)| stays(index))
+            .map(|(name, index)| (name.clone(), *index))
+            .collect();
+        self.checks = before.checks.counts();
     }
 
     /// How long work of this size usually takes from lease to result; `None` while nothing is known.
@@ -360,28 +374,5 @@ impl Job {
     /// [`Job::ran`] in seconds.
     pub fn seconds(&self, now: Duration) -> f64 {
         self.ran(now).as_secs_f64()
-    }
-
-    /// Estimated seconds left: by passes, by the stop rule's seconds, or the smaller of both. `None` while it does not run.
-    pub fn seconds_left(&self, now: Duration) -> Option<f64> {
-        if self.has_ended() || self.state == JobState::Paused {
-            return None;
-        }
-        let stop = self.terms.stop;
-        let by_seconds = stop.seconds.map(|seconds| (seconds - self.seconds(now)).max(0.0));
-        let total = self.plan.as_ref().filter(|_| stop.passes.is_some()).map(|plan| plan.passes);
-        let by_passes = total
-            .zip(self.seconds_per_merged_pass(now))
-            .map(|(total, seconds)| seconds * f64::from(total - self.totals.passes.min(total)));
-        match (by_seconds, by_passes) {
-            (Some(seconds), Some(passes)) => Some(f64::min(seconds, passes)),
-            (left, None) | (None, left) => left,
-        }
-    }
-
-    fn seconds_per_merged_pass(&self, now: Duration) -> Option<f64> {
-        let RateStart { passes, ran } = self.rate_from?;
-        let merged = self.totals.passes.checked_sub(passes).filter(|merged| *merged > 0)?;
-        Some((self.seconds(now) - ran.as_secs_f64()) / f64::from(merged))
     }
 }

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | [`event`] | what can happen, and what can follow |
 //! | [`plan`] | how a job is cut into shards |
-//! | [`terms`], [`job`], `running_time` | what was agreed; what of one job is to be issued, has arrived, is merged |
+//! | [`terms`], [`job`], `running_time`, `time_left` | what was agreed; what of one job is to be issued, has arrived, is merged |
 //! | `granting` | which job's work a worker gets: fair shares, memory, stragglers |
 //! | `results` | what becomes of results and of broken promises |
 //! | [`check`] | which shards two workers trace, and whom to believe |
@@ -21,6 +21,7 @@ mod results;
 pub mod roster;
 mod running_time;
 pub mod terms;
+mod time_left;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
@@ -130,6 +131,7 @@ impl Rules {
             Event::JobResumed { job } => self.resume(now, job),
             Event::PriorityChanged { job, priority } => self.with_job(job, |_, job| job.terms.priority = priority),
             Event::JobForgotten { job } => self.forget(job),
+            Event::JobErased { job } => self.erase(job),
             Event::FirstSurfacesWanted { job } => {
                 self.errands.entry(job).or_default();
                 self.pending.work_appeared = true;
@@ -200,6 +202,9 @@ impl Rules {
         // What was leased of an earlier state of the job does not fit this one.
         self.close_all(id, Closed::Fenced);
         job.served = self.served;
+        if let Some(before) = self.jobs.get(&id) {
+            job.remember(before);
+        }
         self.jobs.insert(id, job);
         self.pending.changed.insert(id);
         self.pending.work_appeared = true;
@@ -281,6 +286,15 @@ impl Rules {
         self.roster.forget_job(id);
         self.pending.work_appeared = true;
         if self.jobs.remove(&id).is_some() { Answer::Done } else { Answer::UnknownJob }
+    }
+
+    fn erase(&mut self, id: JobId) -> Answer {
+        self.errands.remove(&id);
+        let held: Vec<_> = self.leases.of_job(id).map(|lease| lease.id).collect();
+        for lease in held {
+            self.leases.close(lease, Closed::JobEnded);
+        }
+        self.forget(id)
     }
 
     fn join(&mut self, now: Duration, name: String, threads: u32) -> Answer {

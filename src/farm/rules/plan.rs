@@ -186,6 +186,14 @@ impl Plan {
             .unwrap_or_else(|| self.shard_count())
     }
 
+    /// Passes at which a job can end that has merged `shards` of a longer one: those of the last pair of them, both halves.
+    pub fn passes_after(&self, shards: u64) -> u32 {
+        let longer = self.with_passes(None);
+        let Some(last) = shards.checked_sub(1).and_then(|last| longer.shard(last)) else { return 1 };
+        let pair_start = last.shard.first_pass - u32::from(last.shard.twin() == Twin::Odd);
+        pair_start + 2 * last.shard.passes
+    }
+
     /// The same cut with another end.
     pub fn with_passes(&self, passes: Option<u32>) -> Self {
         Self { passes: passes.unwrap_or(PASSES_LIMIT).clamp(1, PASSES_LIMIT), ..self.clone() }

@@ -60,10 +60,11 @@ impl Rules {
             (Work::Check(shard, _), Some(digest)) => return self.compare(now, &lease, shard, digest),
             (Work::Check(..), None) => return Answer::Compared,
             (work, digest) => {
+                let name = self.roster.name(lease.worker);
                 let Some(job) = self.jobs.get_mut(&lease.job) else { return Answer::Fenced };
-                job.arrive(&work, lease.worker, now.saturating_sub(lease.issued));
+                job.arrive(&work, name.clone(), now.saturating_sub(lease.issued));
                 if let (Work::Shard(shard, _), Some(digest)) = (work, digest) {
-                    job.checks.begin(now, shard, lease.worker, digest);
+                    job.checks.begin(now, shard, name, digest);
                     self.pending.work_appeared = true;
                 }
             }
@@ -73,14 +74,15 @@ impl Rules {
 
     /// A second worker, or a further one, traced a shard that was merged before.
     fn compare(&mut self, now: Duration, lease: &Lease, shard: u64, digest: Digest) -> Answer {
+        let name = self.roster.name(lease.worker);
         let Some(job) = self.jobs.get_mut(&lease.job) else { return Answer::Compared };
-        match job.checks.compare(now, shard, lease.worker, digest) {
+        match job.checks.compare(now, shard, name, digest) {
             None | Some(Verdict::Verified) => {}
             Some(Verdict::Undecided) => {
                 self.pending.notices.push(Notice::Mismatch { job: lease.job, shard });
             }
             Some(Verdict::Odd(workers)) => {
-                workers.into_iter().for_each(|odd| self.distrust(now, odd, lease.job, shard))
+                workers.into_iter().for_each(|name| self.distrust(now, &name, lease.job, shard))
             }
             Some(Verdict::Hopeless) => {
                 let problem = format!("no two workers agree on shard {shard}: their builds or machines differ");
@@ -94,22 +96,20 @@ impl Rules {
     }
 
     /// A worker returned wrong bits: it gets no work for long, and what it contributed to any job is done again.
-    fn distrust(&mut self, now: Duration, odd: WorkerId, job: JobId, shard: u64) {
+    fn distrust(&mut self, now: Duration, name: &str, job: JobId, shard: u64) {
         let reason = format!("its shard {shard} of job {job} has other bits than two other workers'");
-        let name = self.roster.name(odd);
-        if let Some(record) = self.roster.get_mut(odd) {
-            record.returned_wrong_bits(now, &reason);
-        }
+        let odd = self.roster.distrust(now, name, &reason);
         let pause = super::roster::WRONG_BITS_PAUSE;
-        self.pending.notices.push(Notice::SetAside { worker: odd, name, job: None, pause, reason });
-        let held: Vec<LeaseId> = self.leases.of_worker(odd).map(|lease| lease.id).collect();
+        self.pending.notices.push(Notice::SetAside { name: name.to_owned(), job: None, pause, reason });
+        let held = odd.into_iter().flat_map(|worker| self.leases.of_worker(worker).map(|lease| lease.id));
+        let held: Vec<LeaseId> = held.collect();
         held.into_iter().for_each(|id| self.fence(id));
         let contributed: Vec<Rollback> = self
             .jobs
             .iter()
             .filter(|(_, job)| !job.has_ended())
             .filter_map(|(id, job)| {
-                let keep = match job.first_contribution(odd)? {
+                let keep = match job.first_contribution(name)? {
                     WorkIndex::Shard(first) => Some(first),
                     _ => None,
                 };
@@ -136,7 +136,7 @@ impl Rules {
             };
             if let Some(pause) = pause {
                 let (name, reason) = (name.clone(), problem.to_owned());
-                self.pending.notices.push(Notice::SetAside { worker: lease.worker, name, job, pause, reason });
+                self.pending.notices.push(Notice::SetAside { name, job, pause, reason });
             }
         }
         self.pending.notices.push(Notice::BadResult { name, job: lease.job, work, problem: problem.to_owned() });
@@ -246,6 +246,9 @@ impl Rules {
     /// A worker fell silent over some work. Work that costs too many workers is issued to nobody until its user says so.
     fn lose(&mut self, now: Duration, lease: &Lease) {
         let index = lease.work.index();
+        if index == WorkIndex::FirstSurfaces {
+            return self.fail_errand(lease.job);
+        }
         let Some(job) = self.jobs.get_mut(&lease.job).filter(|job| !job.has_ended()) else { return };
         if job.lose_worker(index, lease.worker) && job.state != JobState::Paused {
             self.pause(now, lease.job, PauseReason::WorkersLost { work: index.to_string() });

@@ -101,11 +101,6 @@ impl WorkerRecord {
     pub fn failed(&mut self, job: JobId, now: Duration, problem: &str) -> Option<Duration> {
         self.jobs.entry(job).or_default().failed(now, problem)
     }
-
-    /// It returned other bits than two others.
-    pub fn returned_wrong_bits(&mut self, now: Duration, reason: &str) {
-        self.farm.pause = Some(Pause { until: now + WRONG_BITS_PAUSE, reason: reason.to_owned() });
-    }
 }
 
 /// All registered workers.
@@ -173,14 +168,26 @@ impl Roster {
         Some(worker)
     }
 
+    /// The workers of this name returned other bits than two others, also those that are gone; answers who of them is there.
+    pub fn distrust(&mut self, now: Duration, name: &str, reason: &str) -> Vec<WorkerId> {
+        let pause = Some(Pause { until: now + WRONG_BITS_PAUSE, reason: reason.to_owned() });
+        self.former.insert(name.to_owned(), Trust { pause: pause.clone(), ..Trust::default() });
+        let found = self.workers.iter_mut().filter(|(_, worker)| worker.name == name);
+        found.map(|(id, worker)| (worker.farm.pause.clone_from(&pause), *id).1).collect()
+    }
+
     /// All workers with their ids.
     pub fn iter(&self) -> impl Iterator<Item = (WorkerId, &WorkerRecord)> {
         self.workers.iter().map(|(id, worker)| (*id, worker))
     }
 
-    /// Workers that were heard of within `silence` and may take work of `job` at `now`.
-    pub fn takers(&self, job: JobId, now: Duration, silence: Duration) -> Vec<WorkerId> {
-        self.iter().filter(|(_, worker)| worker.takes(job, now, silence)).map(|(id, _)| id).collect()
+    /// The names of workers that were heard of within `silence` and may take work of `job` at `now`.
+    pub fn takers(&self, job: JobId, now: Duration, silence: Duration) -> Vec<String> {
+        self.workers
+            .values()
+            .filter(|worker| worker.takes(job, now, silence))
+            .map(|worker| worker.name.clone())
+            .collect()
     }
 
     /// Whether a worker other than `id` is one of [`Self::takers`].

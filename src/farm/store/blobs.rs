@@ -15,10 +15,13 @@ use object_store::{ObjectStore, ObjectStoreExt, WriteMultipart};
 use super::error::StoreError;
 use super::location::BlobsLocation;
 use crate::farm::ids::JobId;
-use crate::tls;
+use crate::farm::tls;
 
 /// Parts of an upload that may be under way at the same time.
 const PARTS_AT_ONCE: usize = 4;
+
+/// Where scenes are until all their bytes have come.
+const UPLOADS: &str = "uploads";
 
 /// The name of a blob.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -83,6 +86,11 @@ impl Blobs {
                     remedy: "give a folder that can be written".to_owned(),
                 };
                 std::fs::create_dir_all(folder).map_err(|problem| cannot_open(problem.to_string()))?;
+                // What a coordinator that was killed had not finished. The store is locked: nobody else writes there.
+                let unfinished = folder.join(UPLOADS);
+                if unfinished.exists() {
+                    std::fs::remove_dir_all(&unfinished).map_err(|problem| cannot_open(problem.to_string()))?;
+                }
                 let store = LocalFileSystem::new_with_prefix(folder);
                 // A record must not name a blob that a power failure can take away.
                 let store = store.map_err(|problem| cannot_open(problem.to_string()))?.with_fsync(true);
@@ -151,7 +159,7 @@ impl Blobs {
     /// Begins a scene whose bytes come bit by bit.
     pub async fn begin_scene(&self) -> Result<Upload, StoreError> {
         let number = self.uploads.fetch_add(1, Ordering::Relaxed);
-        let place = self.path(&format!("uploads/{}-{number}", std::process::id()));
+        let place = self.path(&format!("{UPLOADS}/{}-{number}", std::process::id()));
         let writer = WriteMultipart::new(self.store.put_multipart(&place).await?);
         Ok(Upload { blobs: self.clone(), place, writer, hasher: blake3::Hasher::new(), bytes: 0 })
     }
@@ -164,15 +172,6 @@ pub struct Upload {
     writer: WriteMultipart,
     hasher: blake3::Hasher,
     bytes: u64,
-}
-
-/// What an upload was.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Uploaded {
-    /// BLAKE3 of its bytes.
-    pub hash: String,
-    /// How many bytes.
-    pub bytes: u64,
 }
 
 impl Upload {
@@ -190,17 +189,43 @@ impl Upload {
         self.bytes
     }
 
-    /// All bytes came: the blob has its name from now on.
+    /// All bytes came.
     pub async fn finish(self) -> Result<Uploaded, StoreError> {
         let Self { blobs, place, writer, hasher, bytes } = self;
         writer.finish().await?;
-        let hash = hasher.finalize().to_hex().to_string();
-        blobs.store.rename(&place, &blobs.path(&BlobName::of_scene(&hash).0)).await?;
-        Ok(Uploaded { hash, bytes })
+        Ok(Uploaded { hash: hasher.finalize().to_hex().to_string(), bytes, blobs, place })
     }
 
     /// Nothing of it stays.
     pub async fn abort(self) -> Result<(), StoreError> {
         Ok(self.writer.abort().await?)
+    }
+}
+
+/// A scene that came whole. It has a place of its own until it is kept.
+pub struct Uploaded {
+    /// BLAKE3 of its bytes.
+    pub hash: String,
+    /// How many bytes.
+    pub bytes: u64,
+    blobs: Blobs,
+    place: Path,
+}
+
+impl Uploaded {
+    /// Its bytes.
+    pub async fn read(&self) -> Result<Bytes, StoreError> {
+        Ok(self.blobs.store.get(&self.place).await?.bytes().await?)
+    }
+
+    /// It has its name from now on.
+    pub async fn keep(&self) -> Result<(), StoreError> {
+        let name = self.blobs.path(&BlobName::of_scene(&self.hash).0);
+        Ok(self.blobs.store.rename(&self.place, &name).await?)
+    }
+
+    /// Nothing of it stays.
+    pub async fn discard(&self) -> Result<(), StoreError> {
+        Ok(self.blobs.store.delete(&self.place).await?)
     }
 }

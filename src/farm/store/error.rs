@@ -64,17 +64,22 @@ impl StoreError {
     /// Whether there is no room, or nothing may be written: it may get better when somebody makes room.
     pub fn is_full(&self) -> bool {
         match self {
-            // SQLITE_READONLY, SQLITE_IOERR, SQLITE_FULL and SQLITE_CANTOPEN, extended by higher bytes.
-            Self::Records(sqlx::Error::Database(error)) => {
-                let code = error.code().and_then(|code| code.parse::<u32>().ok());
-                // PostgreSQL: class 53, insufficient resources.
-                code.is_some_and(|code| matches!(code & 0xff, 8 | 10 | 13 | 14))
-                    || error.code().is_some_and(|code| code.len() == 5 && code.starts_with("53"))
-            }
+            // SQLITE_READONLY, SQLITE_IOERR, SQLITE_FULL and SQLITE_CANTOPEN; PostgreSQL: class 53, insufficient resources.
+            Self::Records(sqlx::Error::Database(error)) => error.code().is_some_and(|code| {
+                sqlite_code(&code).is_some_and(|code| matches!(code, 8 | 10 | 13 | 14)) || code.starts_with("53")
+            }),
             Self::Blobs(error) => chain_has(error, is_full_kind),
             Self::Records(error) => chain_has(error, is_full_kind),
             _ => false,
         }
+    }
+
+    /// Whether something is gone that no waiting brings back.
+    pub fn is_for_good(&self) -> bool {
+        matches!(
+            self,
+            Self::Damaged { .. } | Self::BadRecord { .. } | Self::Blobs(object_store::Error::NotFound { .. })
+        )
     }
 
     /// Whether the same may succeed later without anybody's help, for example because a server restarts.
@@ -84,14 +89,21 @@ impl StoreError {
                 matches!(
                     error,
                     sqlx::Error::Io(_) | sqlx::Error::PoolTimedOut | sqlx::Error::Protocol(_) | sqlx::Error::Tls(_)
-                ) || matches!(error, sqlx::Error::Database(error)
-                // PostgreSQL: connection exceptions, and administrator shutdown.
-                if error.code().is_some_and(|code| code.starts_with("08") || code.starts_with("57P")))
+                ) || matches!(error, sqlx::Error::Database(error) if error.code().is_some_and(|code| {
+                    // SQLITE_BUSY and SQLITE_LOCKED; PostgreSQL: connection exceptions, and administrator shutdown.
+                    sqlite_code(&code).is_some_and(|code| matches!(code, 5 | 6))
+                        || code.starts_with("08") || code.starts_with("57P")
+                }))
             }
             Self::Blobs(object_store::Error::Generic { .. }) => true,
             _ => false,
         }
     }
+}
+
+/// The basic code of SQLite, which it extends by higher bytes; `None` for PostgreSQL's, which have five characters.
+fn sqlite_code(code: &str) -> Option<u32> {
+    if code.len() < 5 { code.parse::<u32>().ok().map(|code| code & 0xff) } else { None }
 }
 
 fn is_full_kind(kind: ErrorKind) -> bool {

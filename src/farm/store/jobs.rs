@@ -59,15 +59,14 @@ impl Store {
 
     /// Stores a new job.
     pub async fn insert_job(&self, job: &JobRow) -> Result<(), StoreError> {
-        let mut transaction = self.pool.begin().await?;
+        // The mark comes first: an id that was not used in the end is no harm, one that is used twice is.
+        set_meta(&self.pool, LAST_JOB, job.id.number() as i64).await?;
         let query = format!("INSERT INTO jobs ({COLUMNS}) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)");
         let query = sqlx::query(sqlx::AssertSqlSafe(query));
         let query = query.bind(job.id.number() as i64).bind(job.state.name()).bind(job.scene.clone());
         let query = query.bind(job.created).bind(job.ended).bind(job.record.clone());
         let [newest, earlier, resume] = texts(&job.snapshots);
-        query.bind(newest).bind(earlier).bind(resume).execute(&mut *transaction).await?;
-        set_meta(&mut *transaction, LAST_JOB, job.id.number() as i64).await?;
-        transaction.commit().await?;
+        query.bind(newest).bind(earlier).bind(resume).execute(&self.pool).await?;
         Ok(())
     }
 

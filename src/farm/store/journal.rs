@@ -25,21 +25,16 @@ pub struct JournalRow {
 }
 
 impl Store {
-    /// Adds lines; their sequence numbers are given here.
+    /// Adds lines; their sequence numbers are given here. Each is one statement: what is repeated after a failure may be there twice.
     pub async fn append_journal(&self, rows: &[JournalRow]) -> Result<(), StoreError> {
-        let mut transaction = self.pool.begin().await?;
-        let last = sqlx::query("SELECT COALESCE(MAX(sequence), 0) AS last FROM events").fetch_one(&mut *transaction);
-        let mut sequence: i64 = last.await?.try_get("last")?;
         for row in rows {
-            sequence += 1;
-            let query = "INSERT INTO events (sequence, time, job, worker, text) VALUES ($1, $2, $3, $4, $5)";
-            let job = row.job.map(|job| job.number() as i64);
-            let query = sqlx::query(query).bind(sequence).bind(row.time).bind(job);
-            query.bind(row.worker.clone()).bind(row.text.clone()).execute(&mut *transaction).await?;
+            let query = "INSERT INTO events (sequence, time, job, worker, text) \
+                         SELECT COALESCE(MAX(sequence), 0) + 1, $1, $2, $3, $4 FROM events";
+            let query = sqlx::query(query).bind(row.time).bind(row.job.map(|job| job.number() as i64));
+            query.bind(row.worker.clone()).bind(row.text.clone()).execute(&self.pool).await?;
         }
-        let old = sqlx::query("DELETE FROM events WHERE sequence <= $1").bind(sequence - KEPT);
-        old.execute(&mut *transaction).await?;
-        transaction.commit().await?;
+        let old = "DELETE FROM events WHERE sequence <= (SELECT MAX(sequence) FROM events) - $1";
+        sqlx::query(old).bind(KEPT).execute(&self.pool).await?;
         Ok(())
     }
 

@@ -4,8 +4,9 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use sqlx::AnyPool;
 use sqlx::any::{AnyPoolOptions, install_default_drivers};
+use sqlx::{AnyConnection, AnyPool, Connection, Row};
+use tokio::time::sleep;
 
 use super::error::StoreError;
 
@@ -13,6 +14,11 @@ use super::error::StoreError;
 const CONNECTIONS: u32 = 8;
 /// How long a query waits for a connection.
 const PATIENCE: Duration = Duration::from_secs(20);
+
+/// The number of the lock by which a coordinator claims a PostgreSQL database: "photon" in ASCII.
+const CLAIM: i64 = 0x7068_6f74_6f6e;
+const CLAIM_ATTEMPTS: u32 = 10;
+const CLAIM_PAUSE: Duration = Duration::from_millis(500);
 
 /// Where the records are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,6 +106,26 @@ impl RecordsLocation {
             Self::Postgres(address) => options.max_connections(CONNECTIONS).connect(address),
         };
         self.opened(pool.await)
+    }
+
+    /// Claims a database that several machines can reach, as long as the answer lives and its connection does not break.
+    ///
+    /// # Errors
+    /// Another coordinator uses it, and goes on to for some seconds: that of one that was killed may take a moment to go.
+    pub(super) async fn claim(&self) -> Result<Option<AnyConnection>, StoreError> {
+        let Self::Postgres(address) = self else { return Ok(None) };
+        let mut connection = self.opened(AnyConnection::connect(address).await)?;
+        for _ in 0..CLAIM_ATTEMPTS {
+            let row = sqlx::query("SELECT pg_try_advisory_lock($1) AS claimed")
+                .bind(CLAIM)
+                .fetch_one(&mut connection)
+                .await?;
+            if row.try_get("claimed")? {
+                return Ok(Some(connection));
+            }
+            sleep(CLAIM_PAUSE).await;
+        }
+        Err(StoreError::InUse { place: self.name() })
     }
 
     pub(super) fn opened<T>(&self, result: Result<T, sqlx::Error>) -> Result<T, StoreError> {

@@ -68,8 +68,27 @@ impl Store {
         Ok(report)
     }
 
-    /// Writes all records, as lines of JSON, and all blobs that they name into a zip archive.
+    /// Writes all records, as lines of JSON, and all blobs that they name into a zip archive: all of it, or nothing.
     pub async fn export(&self, file: &Path) -> Result<(), StoreError> {
+        let mut partial = file.as_os_str().to_owned();
+        partial.push(".partial");
+        let partial = Path::new(&partial);
+        let written = self.write_archive(partial).await;
+        let named = |problem: std::io::Error| StoreError::File {
+            file: file.display().to_string(),
+            problem: problem.to_string(),
+        };
+        match written {
+            Ok(()) => std::fs::rename(partial, file).map_err(named),
+            Err(problem) => {
+                // It may not even have been made.
+                let _ = std::fs::remove_file(partial);
+                Err(problem)
+            }
+        }
+    }
+
+    async fn write_archive(&self, file: &Path) -> Result<(), StoreError> {
         let failed = |problem: &dyn std::fmt::Display| StoreError::File {
             file: file.display().to_string(),
             problem: problem.to_string(),

@@ -8,6 +8,9 @@
 //! | [`blobs`] | scenes and snapshots: large, named by their hash, checked when read |
 //! | [`maintenance`] | check, export, clean up |
 //!
+//! Whatever changes records while a coordinator runs is one statement: a transaction that a full disk ends in the middle stays open on its
+//! connection, with the lock for writing (sqlx 0.9: it rolls back to a savepoint where SQLite has rolled back all).
+//!
 //! One set of queries serves SQLite and PostgreSQL, one port serves folders, S3 and memory: a coordinator without a data folder uses
 //! the same code on a database in memory.
 
@@ -21,13 +24,15 @@ pub mod scenes;
 mod schema;
 
 use std::fs::File;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
-use sqlx::AnyPool;
+use sqlx::{AnyConnection, AnyPool, Connection};
 
 pub use blobs::{BlobName, Blobs, Upload};
 pub use error::StoreError;
 pub use location::{BlobsLocation, RecordsLocation, StoreLocation};
+
+use crate::farm::locks::lock;
 
 /// An open store. Cheap to clone; all clones are the same one.
 #[derive(Clone)]
@@ -36,8 +41,10 @@ pub struct Store {
     blobs: Blobs,
     epoch: u64,
     is_durable: bool,
-    /// Held as long as the store is open, so that no second coordinator writes into the same folder.
+    /// Held as long as the store is open, so that no second coordinator writes into the same folder …
     _lock: Option<Arc<File>>,
+    /// … or the same database.
+    claim: Arc<Mutex<Option<AnyConnection>>>,
 }
 
 impl Store {
@@ -46,16 +53,18 @@ impl Store {
         let lock = location.lock()?.map(Arc::new);
         schema::refuse_newer(&location.records).await?;
         let pool = location.records.connect().await?;
-        let epoch = schema::migrate(&pool).await?;
+        let claim = location.records.claim().await?;
         let blobs = Blobs::open(&location.blobs)?;
-        Ok(Self { pool, blobs, epoch, is_durable: true, _lock: lock })
+        let epoch = schema::migrate(&pool, &blobs).await?;
+        Ok(Self { pool, blobs, epoch, is_durable: true, _lock: lock, claim: Arc::new(Mutex::new(claim)) })
     }
 
     /// A store in memory: it ends with the process.
     pub async fn in_memory() -> Result<Self, StoreError> {
         let pool = RecordsLocation::Memory.connect().await?;
-        let epoch = schema::migrate(&pool).await?;
-        Ok(Self { pool, blobs: Blobs::in_memory(), epoch, is_durable: false, _lock: None })
+        let blobs = Blobs::in_memory();
+        let epoch = schema::migrate(&pool, &blobs).await?;
+        Ok(Self { pool, blobs, epoch, is_durable: false, _lock: None, claim: Arc::default() })
     }
 
     /// How often this store was opened, this time included.
@@ -76,5 +85,11 @@ impl Store {
     /// Closes all connections.
     pub async fn close(&self) {
         self.pool.close().await;
+        let claim = lock(&self.claim).take();
+        if let Some(connection) = claim
+            && let Err(problem) = connection.close().await
+        {
+            tracing::debug!(%problem, "a connection to the database broke before it was closed");
+        }
     }
 }

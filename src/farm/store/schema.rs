@@ -2,6 +2,7 @@
 
 use sqlx::{AnyPool, Row};
 
+use super::blobs::Blobs;
 use super::error::StoreError;
 use super::location::{RecordsLocation, sqlite_address};
 
@@ -30,8 +31,14 @@ pub(super) async fn refuse_newer(records: &RecordsLocation) -> Result<(), StoreE
     sqlx::any::install_default_drivers();
     let options = sqlx::any::AnyPoolOptions::new().max_connections(1);
     let pool = records.opened(options.connect(&sqlite_address(file, "ro")).await)?;
+    let readable = sqlx::query("SELECT COUNT(*) FROM sqlite_master").execute(&pool).await;
     let found = version(&pool).await;
     pool.close().await;
+    readable.map_err(|problem| StoreError::Open {
+        place: file.display().to_string(),
+        problem: format!("it is damaged ({problem})"),
+        remedy: "restore it from a backup, or give another folder with --data".to_owned(),
+    })?;
     refuse(found?)
 }
 
@@ -40,9 +47,19 @@ fn refuse(found: i64) -> Result<(), StoreError> {
 }
 
 /// Brings the tables up to date; answers how often the store was opened, this time included.
-pub(super) async fn migrate(pool: &AnyPool) -> Result<u64, StoreError> {
+///
+/// # Errors
+/// It is new, but `blobs` are there: those of records that are lost.
+pub(super) async fn migrate(pool: &AnyPool, blobs: &Blobs) -> Result<u64, StoreError> {
     let found = version(pool).await?;
     refuse(found)?;
+    if found == 0 && !blobs.list().await?.is_empty() {
+        return Err(StoreError::Open {
+            place: "of these blobs".to_owned(),
+            problem: "scenes and snapshots are there, but no record of them".to_owned(),
+            remedy: "restore the database from a backup, or give another place for one of them".to_owned(),
+        });
+    }
     if found == 0 {
         sqlx::query("CREATE TABLE IF NOT EXISTS meta (name TEXT PRIMARY KEY, value BIGINT NOT NULL)")
             .execute(pool)

@@ -151,12 +151,14 @@ impl Session {
         let request: Bytes = LeaseRequest { worker: self.worker.number() }.encode_to_vec().into();
         while let Ok(slot) = tasks.reserve().await {
             match self.client.post::<LeaseResponse>("lease", request.clone(), MESSAGE_TIMEOUT).await {
-                Ok(LeaseResponse { lease: Some(lease), .. }) => {
-                    backoff.reset();
-                    if let Some(task) = self.accept(lease).await {
+                Ok(LeaseResponse { lease: Some(lease), .. }) => match self.accept(lease).await {
+                    Some(task) => {
+                        backoff.reset();
                         slot.send(task);
                     }
-                }
+                    // The next lease may be just as useless.
+                    None => sleep(backoff.next_pause()).await,
+                },
                 Ok(LeaseResponse { drain: true, .. }) => sleep(DRAIN_PAUSE).await,
                 Ok(_) => backoff.reset(),
                 Err(CallError::Forgotten) => return SessionEnd::Forgotten,

@@ -1,0 +1,31 @@
+//! A job of a coordinator, and what is said of it after something was done to it.
+
+use clap::Args;
+
+use super::client::{Client, CoordinatorOption};
+use super::exit_code::CliError;
+use super::terminal;
+use crate::farm::job::JobStatus;
+
+/// A job of a coordinator.
+#[derive(Clone, Debug, Args)]
+pub(super) struct OneJob {
+    /// The job's id.
+    pub(super) id: String,
+    /// Print the job's status afterwards as JSON.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    coordinator: CoordinatorOption,
+}
+
+impl OneJob {
+    pub(super) fn client(&self) -> Result<Client, CliError> {
+        self.coordinator.client()
+    }
+
+    /// Says what became of it, where that is wanted.
+    pub(super) fn answer(&self, status: &JobStatus) -> Result<(), CliError> {
+        if self.json { terminal::json(status) } else { Ok(()) }
+    }
+}
