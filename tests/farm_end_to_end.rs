@@ -326,6 +326,34 @@ async fn a_hostile_worker_disturbs_nobody() {
     assert!(farm.bits(id).await == reference("statistics", 75).await);
 }
 
+/// What looks like a tally but is none is found by tracing the shard again, and taken out of the picture.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_lie_is_taken_out_of_the_picture() {
+    let farm = Farm::with(CoordinatorOptions { check_share: 1.0, ..CoordinatorOptions::default() }).await;
+    let id = farm.submit("statistics", passes(75)).await;
+    let (stop, worker) = farm.worker("first", 1);
+    let mut status = farm.handle.watch(id).expect("a job");
+    status.wait_for(|status| status.passes_done > 0).await.expect("the coordinator lives");
+    stop.cancel();
+    worker.await.expect("no panic").expect("a clean end");
+
+    let hand = Hand::register(&farm, BUILD).await.expect("a place");
+    let lease = hand.lease().await;
+    let declaration = Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0));
+    let mut tally = Tally::zero(shard(&lease).expect("a shard"), 40, &declaration);
+    tally.set_scalar(PHOTONS_EMITTED, 3000.0);
+    let _others = [farm.worker("second", 1), farm.worker("third", 1)];
+    while farm.handle.workers().len() < 3 {
+        sleep(Duration::from_millis(10)).await;
+    }
+    assert_eq!(hand.deliver(&lease, Some(Outcome::Tally(encode_tally(&tally)))).await, 200, "it looks good");
+
+    assert!(farm.bits(id).await == reference("statistics", 75).await);
+    assert!(farm.handle.job(id).expect("a job").shards_mismatched > 0);
+    let liar = farm.handle.workers().into_iter().find(|worker| worker.name == "hand").expect("it is still there");
+    assert!(liar.set_aside.is_some_and(|reason| reason.contains("other bits")));
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn requests_that_cannot_be_met_say_why() {
     let farm = Farm::start(Duration::from_secs(15)).await;
