@@ -34,6 +34,8 @@ type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
 /// What a shard takes.
 const SHARD: Duration = Duration::from_secs(2);
+/// Until then workers wait for the pilots of jobs rather than for answers.
+const WARM_UP: Duration = Duration::from_secs(15);
 const HEARTBEAT: Duration = Duration::from_secs(5);
 
 /// Seconds that answers took, by request.
@@ -151,8 +153,15 @@ async fn main() -> Fallible<()> {
     for index in 0..workers {
         running.spawn(client.clone().work(index));
     }
+    let measure = async {
+        sleep(WARM_UP).await;
+        if let Ok(mut latencies) = client.latencies.lock() {
+            latencies.clear();
+        }
+        sleep(Duration::from_secs(seconds)).await;
+    };
     tokio::select! {
-        () = sleep(Duration::from_secs(seconds)) => {}
+        () = measure => {}
         Some(ended) = running.join_next() => ended??,
     }
     println!("{:.0} MiB with {jobs} running jobs and {workers} workers", resident()?);

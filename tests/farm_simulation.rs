@@ -5,7 +5,7 @@
 //! A quarter of the schedules has a worker that lies. There every shard is checked, two honest workers are spared all faults, and the
 //! coordinator does not crash: what it knows of who contributed what is in its memory only.
 //!
-//! Every schedule follows from its seed. `PHOTONFARM_SIMULATION_SEEDS=100000 cargo test --release --test farm_simulation` runs more of them,
+//! Every schedule follows from its seed. `PHOTONFARM_SIMULATION_SEEDS=100000 cargo test --test farm_simulation` runs more of them,
 //! `PHOTONFARM_SIMULATION_SEED=17` that one alone, with a line an event.
 
 #[path = "support/split_mix.rs"]
