@@ -81,6 +81,15 @@ impl Farm {
         start_worker(self.url(), name, threads)
     }
 
+    /// Lets a worker come, and leave when more than `passes` of the job are done.
+    async fn work_beyond(&self, id: JobId, passes: u32, name: &str) {
+        let (stop, worker) = self.worker(name, 1);
+        let mut status = self.handle.watch(id).expect("a job");
+        status.wait_for(|status| status.passes_done > passes).await.expect("the coordinator lives");
+        stop.cancel();
+        worker.await.expect("no panic").expect("a clean end");
+    }
+
     async fn submit(&self, rule: &str, stop: StopRule) -> JobId {
         let parameters = [("radius_rule".to_owned(), json!(rule)), ("photons_per_pass".to_owned(), json!(3000))];
         self.submit_method(None, serde_json::Map::from_iter(parameters), stop).await
@@ -196,11 +205,7 @@ async fn an_outage_of_the_coordinator_does_not_change_the_picture() {
 async fn a_worker_that_is_asked_to_stop_gives_its_work_back() {
     let farm = Farm::start(Duration::from_secs(600)).await;
     let id = farm.submit("statistics", passes(75)).await;
-    let (stop, worker) = farm.worker("leaving", 1);
-    let mut status = farm.handle.watch(id).expect("a job");
-    status.wait_for(|status| status.passes_done > 1).await.expect("the coordinator lives");
-    stop.cancel();
-    worker.await.expect("no panic").expect("a clean end");
+    farm.work_beyond(id, 1, "leaving").await;
     assert_eq!(farm.handle.workers(), []);
     // With leases of ten minutes, only work that was given back can be done in time.
     let _worker = farm.worker("successor", 1);
@@ -305,11 +310,7 @@ async fn a_hostile_worker_disturbs_nobody() {
     let pilot = hand.lease().await;
     assert_eq!(hand.post("result", vec![0xff; 50]).await.0, 400);
     assert_eq!(hand.deliver(&pilot, None).await, 422);
-    let (stop, worker) = farm.worker("honest", 1);
-    let mut status = farm.handle.watch(id).expect("a job");
-    status.wait_for(|status| status.passes_done > 0).await.expect("the coordinator lives");
-    stop.cancel();
-    worker.await.expect("no panic").expect("a clean end");
+    farm.work_beyond(id, 0, "honest").await;
 
     let lease = hand.lease().await;
     let declaration = Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0));
@@ -331,11 +332,7 @@ async fn a_hostile_worker_disturbs_nobody() {
 async fn a_lie_is_taken_out_of_the_picture() {
     let farm = Farm::with(CoordinatorOptions { check_share: 1.0, ..CoordinatorOptions::default() }).await;
     let id = farm.submit("statistics", passes(75)).await;
-    let (stop, worker) = farm.worker("first", 1);
-    let mut status = farm.handle.watch(id).expect("a job");
-    status.wait_for(|status| status.passes_done > 0).await.expect("the coordinator lives");
-    stop.cancel();
-    worker.await.expect("no panic").expect("a clean end");
+    farm.work_beyond(id, 0, "first").await;
 
     let hand = Hand::register(&farm, BUILD).await.expect("a place");
     let lease = hand.lease().await;

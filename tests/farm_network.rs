@@ -4,10 +4,11 @@
 //! A seed fixes all that the network does; only how long the database takes is the machine's. `PHOTONFARM_NETWORK_SEED=17` runs that one
 //! alone, with a line a fault; `PHOTONFARM_NETWORK_SEEDS=2000` runs more of them.
 
+#[path = "support/seeds.rs"]
+mod seeds;
 #[path = "support/split_mix.rs"]
 mod split_mix;
 
-use std::collections::BTreeMap;
 use std::error::Error;
 use std::net::{Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
@@ -23,6 +24,7 @@ use photonfarm::farm::store::{Store, StoreLocation};
 use photonfarm::farm::worker::dial::Dialer;
 use photonfarm::farm::worker::{WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, LocalFarm, http};
+use seeds::{Faults, Schedules, run_seeds};
 use serde_json::json;
 use split_mix::Random;
 use tokio_util::sync::CancellationToken;
@@ -162,7 +164,7 @@ struct Network<'a> {
     workers: Vec<String>,
     /// When which fault ends, seconds.
     remedies: Vec<(f64, Remedy)>,
-    faults: BTreeMap<&'static str, u64>,
+    faults: Faults,
     is_told: bool,
 }
 
@@ -236,7 +238,7 @@ impl Network<'_> {
 const LATENCY: Duration = Duration::from_millis(600);
 
 /// Runs a schedule until all jobs are done; answers their bits and the faults that were met.
-fn simulate(seed: u64, is_told: bool, folder: &Path) -> (Vec<u32>, BTreeMap<&'static str, u64>) {
+fn simulate(seed: u64, is_told: bool, folder: &Path) -> (Vec<u32>, Faults) {
     let mut random = Random(seed);
     let made = Made::default();
     let mut builder = turmoil::Builder::new();
@@ -255,7 +257,7 @@ fn simulate(seed: u64, is_told: bool, folder: &Path) -> (Vec<u32>, BTreeMap<&'st
         sim.host(name.clone(), move || run_simulated_worker(name.clone()));
     }
     let mut network =
-        Network { sim, random, workers: workers.clone(), remedies: Vec::new(), faults: BTreeMap::new(), is_told };
+        Network { sim, random, workers: workers.clone(), remedies: Vec::new(), faults: Faults::new(), is_told };
     let mut next_fault = 1.0;
     while network.now() < END {
         if network.now() >= next_fault && network.now() < FAULTS_UNTIL {
@@ -295,27 +297,6 @@ fn no_fault_of_the_network_loses_a_job_or_changes_a_bit() {
         assert!(bits == expected, "seed {seed}: other bits than over a quiet network");
         faults
     };
-    if let Ok(seed) = std::env::var("PHOTONFARM_NETWORK_SEED") {
-        run(seed.parse().expect("a number"), true);
-        return;
-    }
-    let seeds = std::env::var("PHOTONFARM_NETWORK_SEEDS").map_or(SEEDS, |seeds| seeds.parse().expect("a number"));
-    let threads = std::thread::available_parallelism().map_or(1, |count| count.get() as u64);
-    let mut faults: BTreeMap<&'static str, u64> = BTreeMap::new();
-    std::thread::scope(|scope| {
-        let run = &run;
-        let start = |first: u64| {
-            scope.spawn(move || {
-                (first..seeds).step_by(threads as usize).map(|seed| run(seed, false)).collect::<Vec<_>>()
-            })
-        };
-        let running: Vec<_> = (0..threads).map(start).collect();
-        for thread in running {
-            for (fault, count) in thread.join().expect("every schedule holds").into_iter().flatten() {
-                *faults.entry(fault).or_default() += count;
-            }
-        }
-    });
-    println!("{seeds} schedules, faults: {faults:?}");
-    assert_eq!(faults.len(), 7, "every kind of fault is met: {faults:?}");
+    let Some(Schedules { seeds, faults }) = run_seeds("PHOTONFARM_NETWORK_SEED", SEEDS, run) else { return };
+    assert_eq!(faults.len(), 7, "{seeds} schedules meet every kind of fault: {faults:?}");
 }

@@ -8,6 +8,8 @@
 //! Every schedule follows from its seed. `PHOTONFARM_SIMULATION_SEEDS=100000 cargo test --test farm_simulation` runs more of them,
 //! `PHOTONFARM_SIMULATION_SEED=17` that one alone, with a line an event.
 
+#[path = "support/seeds.rs"]
+mod seeds;
 #[path = "support/split_mix.rs"]
 mod split_mix;
 
@@ -23,6 +25,7 @@ use photonfarm::farm::rules::lease::{Lease, Work};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::rules::terms::{MergedTotals, PauseReason, Restored, Terms};
 use photonfarm::farm::rules::{Answer, Event, Outcome, Rollback, Rules, RulesOptions};
+use seeds::{Faults, Schedules, run_seeds};
 use split_mix::Random;
 
 /// Schedules of a usual run.
@@ -125,7 +128,7 @@ struct World {
     rule: RadiusRule,
     next_life: u64,
     is_traced: bool,
-    faults: BTreeMap<&'static str, u64>,
+    faults: Faults,
 }
 
 /// What a shard adds to a job's checksum: as with pictures, the order counts.
@@ -161,7 +164,7 @@ impl World {
             rule,
             next_life: 1,
             is_traced,
-            faults: BTreeMap::new(),
+            faults: Faults::new(),
         };
         world.start_coordinator();
         for (index, passes) in [160, 1, 25, 30].into_iter().enumerate() {
@@ -572,7 +575,7 @@ fn totals(plan: Option<&Plan>, merged: u64) -> MergedTotals {
 }
 
 /// Runs a schedule to its end and checks what must hold; answers the faults that it met.
-fn simulate(seed: u64, is_traced: bool) -> BTreeMap<&'static str, u64> {
+fn simulate(seed: u64, is_traced: bool) -> Faults {
     let mut world = World::new(seed, is_traced);
     while world.now.as_secs_f64() < END && world.step() {
         if world.now.as_secs_f64() > FAULTS_UNTIL && world.all_have_ended() {
@@ -599,32 +602,6 @@ fn simulate(seed: u64, is_traced: bool) -> BTreeMap<&'static str, u64> {
 
 #[test]
 fn no_schedule_of_faults_loses_or_repeats_a_shard() {
-    if let Ok(seed) = std::env::var("PHOTONFARM_SIMULATION_SEED") {
-        simulate(seed.parse().expect("a number"), true);
-        return;
-    }
-    let seeds = std::env::var("PHOTONFARM_SIMULATION_SEEDS").map_or(SEEDS, |seeds| seeds.parse().expect("a number"));
-    let threads = std::thread::available_parallelism().map_or(1, |count| count.get() as u64);
-    let mut faults: BTreeMap<&'static str, u64> = BTreeMap::new();
-    std::thread::scope(|scope| {
-        let run = |first: u64| {
-            move || {
-                let mut faults: BTreeMap<&'static str, u64> = BTreeMap::new();
-                for seed in (first..seeds).step_by(threads as usize) {
-                    for (fault, count) in simulate(seed, false) {
-                        *faults.entry(fault).or_default() += count;
-                    }
-                }
-                faults
-            }
-        };
-        let running: Vec<_> = (0..threads).map(|first| scope.spawn(run(first))).collect();
-        for thread in running {
-            for (fault, count) in thread.join().expect("every schedule holds") {
-                *faults.entry(fault).or_default() += count;
-            }
-        }
-    });
-    println!("{seeds} schedules, faults: {faults:?}");
+    let Some(Schedules { seeds, faults }) = run_seeds("PHOTONFARM_SIMULATION_SEED", SEEDS, simulate) else { return };
     assert!(faults.len() == 14 && faults.values().all(|count| *count > seeds / 50), "{faults:?}");
 }

@@ -16,6 +16,6 @@ pub(super) struct Cancel {
 
 impl Cancel {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        self.job.answer(&self.job.client()?.cancel(&self.job.id).await?)
+        self.job.control("/cancel").await
     }
 }

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use clap::Args;
 use reqwest::{Method, RequestBuilder, Response, StatusCode, header};
-use serde::Deserialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 use super::exit_code::CliError;
 use crate::api::job_control::JobPatch;
@@ -90,10 +90,7 @@ impl Client {
     }
 
     pub(super) async fn submit(&self, submission: &JobSubmission) -> Result<JobStatus, CliError> {
-        let body = serde_json::to_vec(submission).map_err(CliError::failed)?;
-        let request =
-            self.request(Method::POST, "/v1/jobs").header(header::CONTENT_TYPE, "application/json").body(body);
-        self.json(request).await
+        self.send_json(Method::POST, "/v1/jobs", submission).await
     }
 
     pub(super) async fn jobs(&self) -> Result<Vec<JobStatus>, CliError> {
@@ -113,20 +110,12 @@ impl Client {
         self.json(self.request(Method::POST, &job_path(id, what)?)).await
     }
 
-    pub(super) async fn cancel(&self, id: &str) -> Result<JobStatus, CliError> {
-        self.control(id, "/cancel").await
-    }
-
     pub(super) async fn extend(&self, id: &str, stop: &StopRule) -> Result<JobStatus, CliError> {
-        let body = serde_json::to_vec(stop).map_err(CliError::failed)?;
-        let request = self.request(Method::POST, &job_path(id, "/extend")?);
-        self.json(request.header(header::CONTENT_TYPE, "application/json").body(body)).await
+        self.send_json(Method::POST, &job_path(id, "/extend")?, stop).await
     }
 
     pub(super) async fn change(&self, id: &str, patch: &JobPatch) -> Result<JobStatus, CliError> {
-        let body = serde_json::to_vec(patch).map_err(CliError::failed)?;
-        let request = self.request(Method::PATCH, &job_path(id, "")?);
-        self.json(request.header(header::CONTENT_TYPE, "application/json").body(body)).await
+        self.send_json(Method::PATCH, &job_path(id, "")?, patch).await
     }
 
     pub(super) async fn delete_job(&self, id: &str) -> Result<(), CliError> {
@@ -207,6 +196,16 @@ impl Client {
 
     async fn send(&self, request: RequestBuilder) -> Result<Response, CliError> {
         request.send().await.map_err(|error| self.unreachable(&error))
+    }
+
+    async fn send_json<T: DeserializeOwned>(
+        &self,
+        method: Method,
+        path: &str,
+        body: &impl Serialize,
+    ) -> Result<T, CliError> {
+        let body = serde_json::to_vec(body).map_err(CliError::failed)?;
+        self.json(self.request(method, path).header(header::CONTENT_TYPE, "application/json").body(body)).await
     }
 
     async fn json<T: DeserializeOwned>(&self, request: RequestBuilder) -> Result<T, CliError> {

@@ -24,6 +24,11 @@ impl OneJob {
         self.coordinator.client()
     }
 
+    /// Does something to it that needs no more than its name (`/cancel`, `/pause`, `/resume`).
+    pub(super) async fn control(&self, what: &str) -> Result<(), CliError> {
+        self.answer(&self.client()?.control(&self.id, what).await?)
+    }
+
     /// Says what became of it, where that is wanted.
     pub(super) fn answer(&self, status: &JobStatus) -> Result<(), CliError> {
         if self.json { terminal::json(status) } else { Ok(()) }

@@ -16,6 +16,6 @@ pub(super) struct Pause {
 
 impl Pause {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        self.job.answer(&self.job.client()?.control(&self.job.id, "/pause").await?)
+        self.job.control("/pause").await
     }
 }

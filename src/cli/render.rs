@@ -129,7 +129,7 @@ pub(super) async fn follow_or_cancel(
         interrupted = signals::interrupted() => interrupted?,
     }
     signals::end_on_next_interrupt();
-    client.cancel(id).await?;
+    client.control(id, "/cancel").await?;
     Ok((client.follow(id, |_| ()).await?, true))
 }
 

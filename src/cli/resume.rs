@@ -16,6 +16,6 @@ pub(super) struct Resume {
 
 impl Resume {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        self.job.answer(&self.job.client()?.control(&self.job.id, "/resume").await?)
+        self.job.control("/resume").await
     }
 }

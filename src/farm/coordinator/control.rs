@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::jobs::JobChanges;
 use super::keeper::{Chore, is_done};
 use super::request;
-use super::shared::{JobRecord, Shared, blocking};
+use super::shared::{JobInTurn, JobRecord, Shared, blocking};
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::job::{JobState, JobStatus, StopRule};
@@ -18,14 +18,11 @@ use crate::farm::store::jobs::Snapshots;
 impl Shared {
     /// Lets a user's event happen between two merges, so that what the answer says is what stays.
     pub(super) async fn control(self: &Arc<Self>, id: JobId, event: Event) -> Result<JobStatus, FarmError> {
-        let job = self.job(id)?;
-        let _turn = job.users.take().await?;
-        self.control_in_turn(id, event).await
+        self.control_in_turn(&self.job_in_turn(id).await?, event).await
     }
 
-    async fn control_in_turn(self: &Arc<Self>, id: JobId, event: Event) -> Result<JobStatus, FarmError> {
-        // It may have been deleted while this waited for its turn.
-        let (shared, job) = (self.clone(), self.job(id)?);
+    async fn control_in_turn(self: &Arc<Self>, in_turn: &JobInTurn, event: Event) -> Result<JobStatus, FarmError> {
+        let (shared, job, id) = (self.clone(), in_turn.job.clone(), in_turn.job.id);
         let is_cancel = matches!(event, Event::JobCancelled { .. });
         let status = blocking(move || {
             let _merging = lock(&job.merging);
@@ -41,9 +38,8 @@ impl Shared {
     }
 
     pub(super) async fn change_job(self: &Arc<Self>, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
-        let job = self.job(id)?;
-        let _turn = job.users.take().await?;
-        self.job(id)?;
+        let in_turn = self.job_in_turn(id).await?;
+        let job = &in_turn.job;
         {
             let mut facts = lock(&job.facts);
             let mut request = facts.request.clone();
@@ -58,7 +54,7 @@ impl Shared {
         }
         let priority = lock(&job.facts).terms.priority;
         self.apply(Event::PriorityChanged { job: id, priority });
-        let status = self.lock().status(&job, &self.clock);
+        let status = self.lock().status(job, &self.clock);
         job.status.send_replace(status.clone());
         self.leave_to_keeper(Chore::Record(id));
         self.stored_in_time().await?;
@@ -68,10 +64,9 @@ impl Shared {
     /// Lets an ended job go on to a later end.
     pub(super) async fn extend(self: &Arc<Self>, id: JobId, stop: StopRule) -> Result<JobStatus, FarmError> {
         request::check_stop(stop)?;
-        let job = self.job(id)?;
-        let _turn = job.users.take().await?;
-        self.job(id)?;
-        let status = self.lock().status(&job, &self.clock);
+        let in_turn = self.job_in_turn(id).await?;
+        let job = &in_turn.job;
+        let status = self.lock().status(job, &self.clock);
         if !status.state.is_final() {
             return Err(wrong_state(id, status.state));
         }
@@ -79,7 +74,7 @@ impl Shared {
         check_longer(&status, stop)?;
         // What is being stored of its end is stored first.
         self.stored_in_time().await?;
-        let merging = self.state_to_extend(&job, stop).await?;
+        let merging = self.state_to_extend(job, stop).await?;
         {
             let mut facts = lock(&job.facts);
             facts.terms.stop = stop;
@@ -89,10 +84,10 @@ impl Shared {
             facts.snapshots = Snapshots { newest: resume.or(newest), ..Snapshots::default() };
         }
         self.viewed.remove(id);
-        self.go_on(&job, Some(merging));
+        self.go_on(job, Some(merging));
         self.leave_to_keeper(Chore::Record(id));
         self.stored_in_time().await?;
-        Ok(self.lock().status(&job, &self.clock))
+        Ok(self.lock().status(job, &self.clock))
     }
 
     /// The last state of an ended job that the longer job passes through, too.
@@ -135,10 +130,9 @@ impl Shared {
 
     /// Deletes a job; one that runs is cancelled first.
     pub(super) async fn delete_job(self: &Arc<Self>, id: JobId) -> Result<(), FarmError> {
-        let job = self.job(id)?;
-        let _turn = job.users.take().await?;
-        self.control_in_turn(id, Event::JobCancelled { job: id }).await?;
-        Ok(self.erase(&job).await?)
+        let in_turn = self.job_in_turn(id).await?;
+        self.control_in_turn(&in_turn, Event::JobCancelled { job: id }).await?;
+        Ok(self.erase(&in_turn.job).await?)
     }
 }
 

@@ -240,11 +240,7 @@ impl Keeper {
             if known.newest.as_ref() != Some(&name) {
                 shared.store.blobs().put(&name, bytes).await?;
                 let snapshots = Snapshots { newest: Some(name), earlier: known.newest, resume: None };
-                lock(&job.facts).snapshots = snapshots;
-                shared.store.update_job(&shared.row(job)).await?;
-                if let Some(old) = known.earlier {
-                    shared.store.blobs().delete(&old).await?;
-                }
+                shared.keep_snapshots(job, snapshots).await?;
                 is_written = true;
             }
         }
@@ -272,12 +268,7 @@ impl Keeper {
                     shared.store.blobs().put(name, bytes.clone()).await?;
                 }
                 let resume = resume.map(|(name, _)| name);
-                let snapshots = Snapshots { newest: Some(newest), earlier: None, resume };
-                let old = std::mem::replace(&mut lock(&job.facts).snapshots, snapshots.clone());
-                shared.store.update_job(&shared.row(job)).await?;
-                for name in old.all().filter(|name| !snapshots.all().any(|kept| kept == *name)) {
-                    shared.store.blobs().delete(name).await?;
-                }
+                shared.keep_snapshots(job, Snapshots { newest: Some(newest), earlier: None, resume }).await?;
                 shared.viewed.insert(job.id, lock(&job.merging).take());
                 return Ok(());
             }

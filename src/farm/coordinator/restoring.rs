@@ -26,12 +26,7 @@ impl Shared {
     pub(super) async fn roll_back(&self, job: &JobRecord, keep: Option<u64>) -> Result<(), StoreError> {
         let found = self.newest_good(job, |merged| keep.is_some_and(|most| merged <= most)).await?;
         let (newest, merging) = found.map(|found| (found.name, found.merging)).unzip();
-        let kept = Snapshots { newest, ..Snapshots::default() };
-        let old = std::mem::replace(&mut lock(&job.facts).snapshots, kept.clone());
-        self.store.update_job(&self.row(job)).await?;
-        for name in old.all().filter(|name| !kept.all().any(|kept| kept == *name)) {
-            self.store.blobs().delete(name).await?;
-        }
+        self.keep_snapshots(job, Snapshots { newest, ..Snapshots::default() }).await?;
         let mut place = lock(&job.merging);
         {
             let state = self.lock();
@@ -44,6 +39,16 @@ impl Shared {
             facts.history.clone_from(&progress.history);
         }
         self.replace_state(job, &mut place, merging);
+        Ok(())
+    }
+
+    /// From now on these are a job's snapshots; others that it had are deleted, once its record does not name them.
+    pub(super) async fn keep_snapshots(&self, job: &JobRecord, kept: Snapshots) -> Result<(), StoreError> {
+        let old = std::mem::replace(&mut lock(&job.facts).snapshots, kept.clone());
+        self.store.update_job(&self.row(job)).await?;
+        for name in old.all().filter(|name| !kept.all().any(|kept| kept == *name)) {
+            self.store.blobs().delete(name).await?;
+        }
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex, MutexGuard, Weak};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use tokio::sync::{Semaphore, mpsc, watch};
+use tokio::sync::{OwnedMutexGuard, Semaphore, mpsc, watch};
 use tokio::time::{Instant, timeout};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
@@ -108,21 +108,27 @@ pub(in crate::farm) struct JobRecord {
 
 /// What is done one after the other.
 #[derive(Debug, Default)]
-pub(super) struct Turn(tokio::sync::Mutex<()>);
+pub(super) struct Turn(Arc<tokio::sync::Mutex<()>>);
+
+/// A job that is there, while no other user does something to it.
+pub(super) struct JobInTurn {
+    pub(super) job: Arc<JobRecord>,
+    _turn: OwnedMutexGuard<()>,
+}
 
 impl Turn {
     /// Waits for its turn.
     ///
     /// # Errors
     /// Those before do not end, for example because the store does not answer them.
-    pub(super) async fn take(&self) -> Result<tokio::sync::MutexGuard<'_, ()>, FarmError> {
+    pub(super) async fn take(&self) -> Result<OwnedMutexGuard<()>, FarmError> {
         let late = |_| FarmError::Store { problem: "others wait for the store already".to_owned() };
-        timeout(TURN_PATIENCE, self.0.lock()).await.map_err(late)
+        timeout(TURN_PATIENCE, self.0.clone().lock_owned()).await.map_err(late)
     }
 
     /// The turn, if nobody has it.
-    pub(super) fn take_now(&self) -> Option<tokio::sync::MutexGuard<'_, ()>> {
-        self.0.try_lock().ok()
+    pub(super) fn take_now(&self) -> Option<OwnedMutexGuard<()>> {
+        self.0.clone().try_lock_owned().ok()
     }
 }
 
@@ -295,6 +301,12 @@ impl Shared {
     /// The job with this id.
     pub(in crate::farm) fn job(&self, id: JobId) -> Result<Arc<JobRecord>, FarmError> {
         self.lock().jobs.get(&id).cloned().ok_or(FarmError::UnknownJob(id))
+    }
+
+    /// The job with this id, when its users' turn has come: it may have been deleted while one waited.
+    pub(super) async fn job_in_turn(&self, id: JobId) -> Result<JobInTurn, FarmError> {
+        let turn = self.job(id)?.users.take().await?;
+        Ok(JobInTurn { job: self.job(id)?, _turn: turn })
     }
 
     /// Ends when every tally that arrived has been merged, and everything is stored.

@@ -141,7 +141,7 @@ impl Checks {
     }
 
     /// Gives up what nobody of `workers` can do, and what nobody did for `patience`; answers it.
-    pub fn give_up(&mut self, now: Duration, patience: Duration, workers: &[String]) -> Vec<GivenUp> {
+    pub fn give_up(&mut self, now: Duration, patience: Duration, workers: &[&str]) -> Vec<GivenUp> {
         let is_hopeless = |_: &u64, check: &mut Check| {
             workers.iter().all(|worker| check.has_heard(worker)) || now.saturating_sub(check.since) >= patience
         };

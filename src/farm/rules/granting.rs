@@ -128,6 +128,10 @@ impl Rules {
 
     /// Whether a job cannot begin because others use the memory that it needs.
     pub fn waits_for_memory(&self, id: JobId) -> bool {
+        // Statuses are told at every event: only for who waits are those before it counted.
+        if self.jobs.get(&id).is_none_or(|job| job.is_admitted) {
+            return false;
+        }
         let mut admission = self.admission();
         let waiting = self.jobs.range(..=id).filter(|(_, job)| job.takes_workers());
         waiting.map(|(other, job)| (*other, admission.admits(job))).last() == Some((id, false))

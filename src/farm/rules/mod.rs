@@ -290,10 +290,7 @@ impl Rules {
 
     fn erase(&mut self, id: JobId) -> Answer {
         self.errands.remove(&id);
-        let held: Vec<_> = self.leases.of_job(id).map(|lease| lease.id).collect();
-        for lease in held {
-            self.leases.close(lease, Closed::JobEnded);
-        }
+        self.close(id, Closed::JobEnded, |work| work == WorkIndex::FirstSurfaces);
         self.forget(id)
     }
 
@@ -305,8 +302,7 @@ impl Rules {
     }
 
     fn leave(&mut self, now: Duration, worker: WorkerId) -> Answer {
-        let held: Vec<_> = self.leases.of_worker(worker).map(|lease| lease.id).collect();
-        held.into_iter().for_each(|id| self.fence(id));
+        self.fence_all_of(worker);
         let Some(record) = self.roster.remove(now, worker) else { return Answer::UnknownWorker };
         self.pending.notices.push(Notice::Left { worker, name: record.name });
         self.look_for_workers(now);

@@ -179,7 +179,7 @@ impl Plan {
     /// How many shards from the first one on are the same in every longer job of this kind: only the state after so many of them can
     /// be continued to more passes.
     pub fn shards_of_longer_jobs(&self) -> u64 {
-        let longer = Self { passes: PASSES_LIMIT, ..self.clone() };
+        let longer = self.with_passes(None);
         let (last_epoch, _) = self.last_epoch();
         (self.epoch_start(last_epoch)..self.shard_count())
             .find(|index| self.shard(*index) != longer.shard(*index))

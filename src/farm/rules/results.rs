@@ -101,9 +101,7 @@ impl Rules {
         let odd = self.roster.distrust(now, name, &reason);
         let pause = super::roster::WRONG_BITS_PAUSE;
         self.pending.notices.push(Notice::SetAside { name: name.to_owned(), job: None, pause, reason });
-        let held = odd.into_iter().flat_map(|worker| self.leases.of_worker(worker).map(|lease| lease.id));
-        let held: Vec<LeaseId> = held.collect();
-        held.into_iter().for_each(|id| self.fence(id));
+        odd.into_iter().for_each(|worker| self.fence_all_of(worker));
         let contributed: Vec<Rollback> = self
             .jobs
             .iter()
@@ -195,8 +193,7 @@ impl Rules {
             self.end_if_complete(now, id);
         }
         for worker in self.roster.silent(now, self.options.lease_duration * SILENT_LEASES) {
-            let held: Vec<LeaseId> = self.leases.of_worker(worker).map(|lease| lease.id).collect();
-            held.into_iter().for_each(|id| self.fence(id));
+            self.fence_all_of(worker);
             if let Some(record) = self.roster.remove(now, worker) {
                 self.pending.notices.push(Notice::Forgotten { worker, name: record.name });
             }
@@ -266,27 +263,34 @@ impl Rules {
         self.pending.work_appeared = true;
     }
 
+    /// The same for all that a worker holds.
+    pub(super) fn fence_all_of(&mut self, worker: WorkerId) {
+        let held: Vec<LeaseId> = self.leases.of_worker(worker).map(|lease| lease.id).collect();
+        held.into_iter().for_each(|id| self.fence(id));
+    }
+
     /// Ends leases of no use any more, after a job has changed its end or ended.
     pub(super) fn close_useless(&mut self, id: JobId) {
         let Some(job) = self.jobs.get(&id) else { return };
         let (ended, limit, has_plan) = (job.has_ended(), job.limit(), job.plan.is_some());
-        let is_useless = |lease: &&Lease| match lease.work.index() {
+        self.close(id, Closed::JobEnded, |work| match work {
             WorkIndex::Shard(index) => ended || (has_plan && index >= limit),
             WorkIndex::FirstSurfaces => false,
             WorkIndex::Choice | WorkIndex::Pilot | WorkIndex::Check(_) => ended,
-        };
-        let useless: Vec<LeaseId> = self.leases.of_job(id).filter(is_useless).map(|lease| lease.id).collect();
-        for id in useless {
-            self.leases.close(id, Closed::JobEnded);
-        }
+        });
     }
 
     /// Ends all leases of a job but errands.
     pub(super) fn close_all(&mut self, id: JobId, reason: Closed) {
-        let is_job = |lease: &&Lease| lease.work.index() != WorkIndex::FirstSurfaces;
-        let all: Vec<LeaseId> = self.leases.of_job(id).filter(is_job).map(|lease| lease.id).collect();
-        for id in all {
-            self.leases.close(id, reason);
+        self.close(id, reason, |work| work != WorkIndex::FirstSurfaces);
+    }
+
+    /// Ends the leases of a job whose work `is_over`; nobody else gets it.
+    pub(super) fn close(&mut self, id: JobId, reason: Closed, is_over: impl Fn(WorkIndex) -> bool) {
+        let over = self.leases.of_job(id).filter(|lease| is_over(lease.work.index()));
+        let over: Vec<LeaseId> = over.map(|lease| lease.id).collect();
+        for lease in over {
+            self.leases.close(lease, reason);
         }
     }
 }

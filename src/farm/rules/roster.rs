@@ -182,12 +182,9 @@ impl Roster {
     }
 
     /// The names of workers that were heard of within `silence` and may take work of `job` at `now`.
-    pub fn takers(&self, job: JobId, now: Duration, silence: Duration) -> Vec<String> {
-        self.workers
-            .values()
-            .filter(|worker| worker.takes(job, now, silence))
-            .map(|worker| worker.name.clone())
-            .collect()
+    pub fn takers(&self, job: JobId, now: Duration, silence: Duration) -> Vec<&str> {
+        let takers = self.workers.values().filter(|worker| worker.takes(job, now, silence));
+        takers.map(|worker| worker.name.as_str()).collect()
     }
 
     /// Whether a worker other than `id` is one of [`Self::takers`].
