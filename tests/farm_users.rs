@@ -81,6 +81,27 @@ async fn a_cancelled_job_goes_on_to_the_bits_of_the_longer_one_or_says_from_wher
     farm.stop().await;
 }
 
+/// When a job ends its state goes from memory to disk; whoever looks meanwhile sees it.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_picture_is_there_while_its_job_leaves_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let store = Store::open(&StoreLocation::folder(folder.path())).await.expect("a store");
+    let farm = LocalFarm::builder().store(store).start().await.expect("a farm");
+    let client = farm.client();
+    let scene = client.add_scene(SCENE.into()).await.expect("a scene").hash;
+    for round in 0..20 {
+        let id = client.submit(request(&scene, passes(1))).await.expect("a job");
+        assert_eq!(ended(client, id).await, JobState::Done);
+        let looks = async || {
+            for _ in 0..50 {
+                client.picture(id).await.unwrap_or_else(|problem| panic!("round {round}: {problem}"));
+            }
+        };
+        futures_util::future::join_all((0..8).map(|_| looks())).await;
+    }
+    farm.stop().await;
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_scene_is_there_with_its_bytes_or_not_at_all() {
     let folder = tempfile::tempdir().expect("a folder");

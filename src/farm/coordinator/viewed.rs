@@ -26,6 +26,16 @@ struct View {
 #[derive(Default)]
 pub(super) struct Viewed(Mutex<Vec<View>>);
 
+/// A state as it was looked for in memory.
+enum InMemory<T, Read> {
+    /// What was read of it.
+    Read(T),
+    /// Nothing is merged yet.
+    Empty,
+    /// It is not in memory; nothing was read.
+    Elsewhere(Read),
+}
+
 impl Viewed {
     /// Keeps a state for those who will look soon.
     pub(super) fn insert(&self, job: JobId, merging: Option<Merging>) {
@@ -68,18 +78,24 @@ impl Shared {
         job: &Arc<JobRecord>,
         read: impl FnOnce(&Merging) -> T + Send + 'static,
     ) -> Result<T, FarmError> {
-        if lock(&job.merging).is_none()
-            && let Some(merging) = self.stored_state(job).await?
-        {
-            return blocking(move || Ok(read(&merging))).await;
-        }
-        let job = job.clone();
-        blocking(move || {
-            let merging = lock(&job.merging);
-            let merged = merging.as_ref().filter(|merging| merging.totals().shards > 0);
-            merged.map(read).ok_or(FarmError::NoPictureYet(job.id))
-        })
-        .await
+        let no_picture = || FarmError::NoPictureYet(job.id);
+        let record = job.clone();
+        // One look under the lock decides where it is: the keeper may take it to the store at any time.
+        let in_memory = blocking(move || {
+            let merging = lock(&record.merging);
+            Ok(match merging.as_ref() {
+                Some(merging) if merging.merged() == 0 => InMemory::Empty,
+                Some(merging) => InMemory::Read(read(merging)),
+                None => InMemory::Elsewhere(read),
+            })
+        });
+        let read = match in_memory.await? {
+            InMemory::Read(found) => return Ok(found),
+            InMemory::Empty => return Err(no_picture()),
+            InMemory::Elsewhere(read) => read,
+        };
+        let merging = self.stored_state(job).await?.ok_or_else(no_picture)?;
+        blocking(move || Ok(read(&merging))).await
     }
 
     /// The final state of an ended job.
