@@ -386,6 +386,11 @@ async fn the_description_names_every_address() {
     let named = text.split("\"#/components/schemas/").skip(1).filter_map(|rest| rest.split('"').next());
     let missing: Vec<&str> = named.filter(|name| description["components"]["schemas"][name].is_null()).collect();
     assert!(missing.is_empty(), "{missing:?} are named and not described");
+    let operations = description["paths"].as_object().expect("paths").values();
+    let operations = operations.flat_map(|path| path.as_object().expect("methods").values());
+    for operation in operations {
+        assert!(!operation["responses"]["default"].is_null(), "{operation} says nothing of 429 and 503");
+    }
     let layers = &description["paths"]["/v1/jobs/{id}/image.exr"]["get"]["parameters"][1];
     assert_eq!((&layers["name"], &layers["in"]), (&json!("layers"), &json!("query")));
     let known = layers["description"].as_str().expect("a description");
@@ -456,6 +461,63 @@ async fn too_many_jobs_are_told_when_to_come_again() {
     problem(large, 413, "too-large").await;
     let (_, limits) = answer(farm.get("/v1/limits").await).await;
     assert_eq!(limits["scene_bytes"], 10_000);
+    for told in
+        ["job_bytes", "pixels", "passes", "name_bytes", "tags", "tag_bytes", "live_jobs", "job_memory", "result_bytes"]
+    {
+        assert!(limits[told].as_u64().is_some_and(|limit| limit > 0), "{told} of {limits}");
+    }
+}
+
+/// Lists by what is asked for, page by page.
+#[tokio::test(flavor = "multi_thread")]
+async fn jobs_are_found_by_name_tag_and_state() {
+    let farm = Farm::start(0).await;
+    let mut ids = Vec::new();
+    for (name, tag) in [("a", "red"), ("b", "blue"), ("c", "red"), ("d", "red")] {
+        let job = json!({ "scene_inline": SCENE, "stop": { "passes": 1 }, "name": name, "tags": [tag] });
+        let (status, job) = answer(farm.post("/v1/jobs", job.to_string()).await).await;
+        assert_eq!(status, 202);
+        ids.push(job["id"].as_str().expect("an id").to_owned());
+    }
+    answer(farm.post(&format!("/v1/jobs/{}/cancel", ids[3]), "").await).await;
+    let found = async |query: &str| {
+        let (status, list) = answer(farm.get(&format!("/v1/jobs?{query}")).await).await;
+        assert_eq!(status, 200, "{list}");
+        let jobs = list["jobs"].as_array().expect("jobs").iter();
+        let names: Vec<String> = jobs.map(|job| job["name"].as_str().expect("a name").to_owned()).collect();
+        (names.concat(), list["next_after"].as_str().map(str::to_owned))
+    };
+    assert_eq!(found("").await, ("abcd".to_owned(), None));
+    assert_eq!(found("tag=red").await, ("acd".to_owned(), None));
+    assert_eq!(found("tag=red&state=queued").await, ("ac".to_owned(), None));
+    assert_eq!(found("name=b").await, ("b".to_owned(), None));
+    assert_eq!(found("tag=red&limit=2").await, ("ac".to_owned(), Some(ids[2].clone())));
+    assert_eq!(found(&format!("tag=red&limit=2&after={}", ids[2])).await, ("d".to_owned(), None));
+    for wrong in ["states=queued", "state=asleep", "limit=0"] {
+        assert_eq!(farm.get(&format!("/v1/jobs?{wrong}")).await.status(), 400, "{wrong}");
+    }
+}
+
+/// A worker's result has a length that is looked at before a byte of it is kept, and does not fall silent.
+#[tokio::test(flavor = "multi_thread")]
+async fn results_that_are_too_long_or_fall_silent_are_refused() {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let limits = Limits { result_bytes: 1000, result_memory: 1000, upload_silence: 1, ..Limits::default() };
+    let farm = Farm::start_with(0, limits).await;
+    let address = farm.base.trim_start_matches("http://").to_owned();
+    let answered = async |head: &str| {
+        let mut stream = tokio::net::TcpStream::connect(&address).await.expect("a connection");
+        let head = format!("POST /farm/v1/result HTTP/1.1\r\nHost: {address}\r\n{head}\r\n\r\nabc");
+        stream.write_all(head.as_bytes()).await.expect("sent");
+        let mut answer = vec![0; 12];
+        stream.read_exact(&mut answer).await.expect("an answer");
+        String::from_utf8_lossy(&answer).into_owned()
+    };
+    assert_eq!(answered("Content-Length: 1001").await, "HTTP/1.1 413");
+    assert_eq!(answered("Transfer-Encoding: chunked").await, "HTTP/1.1 411");
+    // The silent one holds all the place that there is; the next waits for it.
+    let (silent, next) = tokio::join!(answered("Content-Length: 1000"), answered("Content-Length: 900"));
+    assert_eq!((silent.as_str(), next.as_str()), ("HTTP/1.1 408", "HTTP/1.1 408"));
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -469,20 +469,22 @@ async fn limits_are_kept_and_told() {
     assert!(matches!(large, Err(FarmError::TooLarge { .. })), "{large:?}");
 }
 
-/// Ended jobs are deleted when they are old enough, running ones are not.
+/// Ended jobs and then their scenes are deleted when they are old enough, running ones are not.
 #[tokio::test(flavor = "multi_thread")]
 async fn old_jobs_are_deleted() {
     let options = CoordinatorOptions { keep_ended: Some(Duration::from_millis(500)), ..CoordinatorOptions::default() };
     let farm = Farm::with(options).await;
     let _worker = farm.worker("alone", 1);
+    let unused = farm.handle.add_scene(format!("{SCENE}<!-- another -->").into()).await.expect("a good scene").hash;
     let short = farm.submit("statistics", passes(2)).await;
     assert_eq!(farm.end(short).await.state, JobState::Done);
     let long = farm.submit("statistics", passes(1_000_000)).await;
     let gone = async {
-        while farm.handle.job(short).is_ok() {
+        while farm.handle.job(short).is_ok() || farm.handle.scene(&unused).is_ok() {
             sleep(Duration::from_millis(50)).await;
         }
     };
     timeout(Duration::from_secs(20), gone).await.expect("it is deleted");
-    assert!(farm.handle.job(long).is_ok());
+    let scene = farm.handle.job(long).expect("it runs").scene;
+    assert!(farm.handle.scene(&scene).is_ok());
 }

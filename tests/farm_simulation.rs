@@ -556,7 +556,7 @@ impl World {
                 to.held.insert(lease.id, HeldLease { lease, ready });
             }
             Answer::UnknownWorker => (to.id, to.held) = (None, BTreeMap::new()),
-            Answer::Alive { cancelled, .. } => to.held.retain(|id, _| !cancelled.contains(id)),
+            Answer::Alive { cancelled } => to.held.retain(|id, _| !cancelled.contains(id)),
             Answer::Take(_) | Answer::AlreadyMerged | Answer::Fenced | Answer::Recorded | Answer::Compared => {
                 to.held.retain(|id, _| Some(*id) != lease);
             }

@@ -153,7 +153,7 @@ impl Farm {
 
     fn heartbeat(&mut self, worker: WorkerId, leases: &[LeaseId]) -> Option<Vec<LeaseId>> {
         match self.apply(Event::HeartbeatCame { worker, leases: leases.to_vec() }) {
-            Answer::Alive { cancelled, .. } => Some(cancelled),
+            Answer::Alive { cancelled } => Some(cancelled),
             _ => None,
         }
     }

@@ -1,17 +1,19 @@
 //! Jobs: submitted, looked at, changed.
 
+use std::num::NonZeroU32;
+
 use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
-use super::extract::{JsonBody, PathValue, parse_job};
+use super::extract::{JsonBody, PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use crate::farm::FarmError;
-use crate::farm::job::{JobRequest, JobStatus, Priority, StopRule};
+use crate::farm::job::{JobFilter, JobRequest, JobState, JobStatus, Priority, StopRule};
 
 /// A job to be made. Exactly one of `scene` and `scene_inline` is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -79,11 +81,38 @@ pub struct JobLinks {
     pub cancel: String,
 }
 
-/// All jobs.
+/// Jobs that were asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct JobList {
     /// Oldest first.
     pub jobs: Vec<JobView>,
+    /// The id to ask for further jobs after; empty when these are all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub next_after: Option<String>,
+}
+
+/// Which jobs to list. What is left out leaves all.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub struct JobsQuery {
+    /// Only jobs in this state.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(inline)]
+    pub state: Option<JobState>,
+    /// Only jobs with this tag.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tag: Option<String>,
+    /// Only jobs with this name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// Only jobs that were submitted after the one with this id, which need not be there any more.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub after: Option<String>,
+    /// At most so many jobs, 1 or more; all by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(value_type = Option<u32>, minimum = 1)]
+    pub limit: Option<NonZeroU32>,
 }
 
 impl From<JobStatus> for JobView {
@@ -154,13 +183,28 @@ fn submission_problem(error: FarmError) -> Problem {
     Problem { status, ..problem }
 }
 
-/// Lists all jobs.
+/// Lists jobs.
 #[utoipa::path(
-    get, path = "/jobs", tag = "jobs",
-    responses((status = 200, description = "All jobs, oldest first", body = JobList))
+    get, path = "/jobs", tag = "jobs", params(JobsQuery),
+    responses(
+        (status = 200, description = "Jobs, oldest first", body = JobList),
+        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
+    )
 )]
-pub async fn list_jobs(State(state): State<ApiState>) -> Json<JobList> {
-    Json(JobList { jobs: state.coordinator.jobs().into_iter().map(JobView::from).collect() })
+pub async fn list_jobs(
+    State(state): State<ApiState>,
+    QueryValues(query): QueryValues<JobsQuery>,
+) -> Result<Json<JobList>, Problem> {
+    let JobsQuery { state: wanted, tag, name, after, limit } = query;
+    let after = after.as_deref().map(parse_job).transpose()?;
+    let limit = limit.map_or(usize::MAX, |limit| limit.get() as usize);
+    let filter = JobFilter { state: wanted, tag, name, after };
+    // One more tells whether there are more.
+    let mut found = state.coordinator.find_jobs(&filter, limit.saturating_add(1));
+    let are_more = found.len() > limit;
+    found.truncate(limit);
+    let next_after = found.last().filter(|_| are_more).map(|job| job.id.clone());
+    Ok(Json(JobList { jobs: found.into_iter().map(JobView::from).collect(), next_after }))
 }
 
 /// Tells how a job is doing.

@@ -45,7 +45,7 @@ pub fn router(state: ApiState) -> Router {
     let (router, description) = described_routes(limits).split_for_parts();
     Router::new()
         .merge(router.with_state(state))
-        .merge(openapi::routes(description))
+        .merge(openapi::routes(openapi::with_problems(description)))
         .route("/", get(dashboard::page))
         .fallback(problem::not_found)
         .method_not_allowed_fallback(problem::method_not_allowed)

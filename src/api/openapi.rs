@@ -6,6 +6,7 @@ use axum::http::header;
 use axum::routing::get;
 use axum::{Router, response::IntoResponse};
 use utoipa::OpenApi;
+use utoipa::openapi::{ContentBuilder, Ref, ResponseBuilder};
 
 /// What the handlers themselves cannot say.
 #[derive(OpenApi)]
@@ -14,6 +15,22 @@ use utoipa::OpenApi;
     description = "A distributed progressive-photon-mapping render service. Errors are application/problem+json.",
 ))]
 pub struct Description;
+
+/// Says of every endpoint that any other answer is a problem: a coordinator that stops, a store that is full, a fault of ours.
+pub fn with_problems(mut description: utoipa::openapi::OpenApi) -> utoipa::openapi::OpenApi {
+    let content = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem"))).build();
+    let problem = ResponseBuilder::new()
+        .description("Another problem: 429 and 503 with Retry-After when it may succeed later, 500 for a fault of the coordinator")
+        .content("application/problem+json", content)
+        .build();
+    for item in description.paths.paths.values_mut() {
+        let methods = [&mut item.get, &mut item.post, &mut item.patch, &mut item.delete, &mut item.put];
+        for operation in methods.into_iter().flatten() {
+            operation.responses.responses.insert("default".to_owned(), problem.clone().into());
+        }
+    }
+    description
+}
 
 /// Serves `description` at `/openapi.json` and `/v1/openapi.json`.
 pub fn routes(description: utoipa::openapi::OpenApi) -> Router {

@@ -8,8 +8,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::exit_code::CliError;
-use crate::api::job_control::JobPatch;
-use crate::api::jobs::JobSubmission;
+use crate::api::job_control::{CloneRequest, JobPatch};
+use crate::api::jobs::{JobSubmission, JobsQuery};
 use crate::api::problem::Problem;
 use crate::farm::SceneSummary;
 use crate::farm::job::{JobStatus, StopRule, WorkerStatus};
@@ -93,8 +93,12 @@ impl Client {
         self.send_json(Method::POST, "/v1/jobs", submission).await
     }
 
-    pub(super) async fn jobs(&self) -> Result<Vec<JobStatus>, CliError> {
-        Ok(self.json::<JobList>(self.request(Method::GET, "/v1/jobs")).await?.jobs)
+    pub(super) async fn jobs(&self, query: &JobsQuery) -> Result<Vec<JobStatus>, CliError> {
+        Ok(self.json::<JobList>(self.request(Method::GET, "/v1/jobs").query(query)).await?.jobs)
+    }
+
+    pub(super) async fn clone_job(&self, id: &str, changes: &CloneRequest) -> Result<JobStatus, CliError> {
+        self.send_json(Method::POST, &job_path(id, "/clone")?, changes).await
     }
 
     pub(super) async fn scenes(&self) -> Result<Vec<SceneSummary>, CliError> {

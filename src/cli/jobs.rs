@@ -1,17 +1,36 @@
 //! `jobs`: a coordinator's jobs.
 
+use std::num::NonZeroU32;
+
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
 use super::terminal;
-use crate::farm::job::JobStatus;
+use crate::api::jobs::JobsQuery;
+use crate::farm::job::{JobState, JobStatus};
 
-/// List a coordinator's jobs.
+/// List a coordinator's jobs, all or those that are asked for.
 ///
 /// Oldest first: id, state, passes, seconds, method, name, separated by tabs.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Jobs {
+    /// Only jobs in this state.
+    #[arg(long, value_parser = state())]
+    state: Option<JobState>,
+    /// Only jobs with this tag.
+    #[arg(long, value_name = "WORD")]
+    tag: Option<String>,
+    /// Only jobs with this name.
+    #[arg(long)]
+    name: Option<String>,
+    /// Only jobs that were submitted after the one with this id.
+    #[arg(long, value_name = "ID")]
+    after: Option<String>,
+    /// At most so many.
+    #[arg(long, value_name = "COUNT")]
+    limit: Option<NonZeroU32>,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -21,8 +40,9 @@ pub(super) struct Jobs {
 
 impl Jobs {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        let jobs = self.coordinator.client()?.jobs().await?;
-        if self.json {
+        let Self { state, tag, name, after, limit, json, coordinator } = self;
+        let jobs = coordinator.client()?.jobs(&JobsQuery { state, tag, name, after, limit }).await?;
+        if json {
             return terminal::json(&jobs);
         }
         for job in jobs {
@@ -30,6 +50,12 @@ impl Jobs {
         }
         Ok(())
     }
+}
+
+/// A state by its name.
+fn state() -> impl TypedValueParser<Value = JobState> {
+    PossibleValuesParser::new(JobState::ALL.map(JobState::name))
+        .try_map(|name| JobState::ALL.into_iter().find(|state| state.name() == name).ok_or("no such state"))
 }
 
 fn line(job: &JobStatus) -> String {

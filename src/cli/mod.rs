@@ -4,6 +4,7 @@ mod cancel;
 mod change;
 mod chart;
 mod client;
+mod clone;
 mod compare;
 mod evaluate;
 mod exit_code;
@@ -78,6 +79,7 @@ enum Command {
     Pause(pause::Pause),
     Resume(resume::Resume),
     Extend(extend::Extend),
+    Clone(clone::CloneJob),
     Change(change::Change),
     Rm(rm::Remove),
     Jobs(jobs::Jobs),
@@ -124,6 +126,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Pause(command) => in_runtime(command.run()),
         Command::Resume(command) => in_runtime(command.run()),
         Command::Extend(command) => in_runtime(command.run()),
+        Command::Clone(command) => in_runtime(command.run()),
         Command::Change(command) => in_runtime(command.run()),
         Command::Rm(command) => in_runtime(command.run()),
         Command::Jobs(command) => in_runtime(command.run()),

@@ -40,7 +40,7 @@ pub(super) struct Serve {
     /// Share of shards that a second worker traces to compare their bits, 0 to 1.
     #[arg(long, default_value_t = 0.01, value_name = "SHARE")]
     check_share: f64,
-    /// Days after which ended jobs are deleted with their pictures [default: never].
+    /// Days after which ended jobs are deleted with their pictures, and scenes that no job refers to [default: never].
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u16).range(1..))]
     keep_days: Option<u16>,
     /// Seconds between two snapshots of a job at least.

@@ -5,6 +5,8 @@ use std::num::NonZeroU16;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::ids::JobId;
+
 /// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -20,6 +22,13 @@ pub struct StopRule {
     /// looked at after shards that do not depend on the workers, so the picture does not either.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+}
+
+impl StopRule {
+    /// Whether nothing is said.
+    pub const fn is_empty(&self) -> bool {
+        self.passes.is_none() && self.seconds.is_none() && self.error.is_none()
+    }
 }
 
 /// A job's share of the farm, 1 to 1000 and 100 by default: beside each other, a job of 200 gets twice the work done that one of 100
@@ -156,6 +165,28 @@ impl JobState {
     /// Whether the job stays as it is, unless it is extended.
     pub const fn is_final(self) -> bool {
         matches!(self, Self::Done | Self::Failed | Self::Cancelled)
+    }
+}
+
+/// Which jobs are meant. What is `None` leaves all.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct JobFilter {
+    /// Those in this state.
+    pub state: Option<JobState>,
+    /// Those with this tag.
+    pub tag: Option<String>,
+    /// Those with this name.
+    pub name: Option<String>,
+    /// Those that were submitted after this one.
+    pub after: Option<JobId>,
+}
+
+impl JobFilter {
+    /// Whether a job is among them, its id left aside.
+    pub fn fits(&self, job: &JobStatus) -> bool {
+        self.state.is_none_or(|state| state == job.state)
+            && self.tag.as_ref().is_none_or(|tag| job.tags.contains(tag))
+            && self.name.as_ref().is_none_or(|name| job.name.as_ref() == Some(name))
     }
 }
 

@@ -48,7 +48,7 @@ impl Shared {
             }
             request.tags = changes.tags.unwrap_or(request.tags);
             request.priority = changes.priority.unwrap_or(request.priority);
-            request::check_labels(&request)?;
+            request::check_labels(&request, &self.options.limits)?;
             facts.terms.priority = request.priority;
             facts.request = request;
         }
@@ -63,7 +63,7 @@ impl Shared {
 
     /// Lets an ended job go on to a later end.
     pub(super) async fn extend(self: &Arc<Self>, id: JobId, stop: StopRule) -> Result<JobStatus, FarmError> {
-        request::check_stop(stop)?;
+        request::check_stop(stop, &self.options.limits)?;
         let in_turn = self.job_in_turn(id).await?;
         let job = &in_turn.job;
         let status = self.lock().status(job, &self.clock);
@@ -149,7 +149,7 @@ fn check_longer(status: &JobStatus, stop: StopRule) -> Result<(), FarmError> {
         problem: format!("job {} has {what} already", status.id),
         remedy: "give a later end".to_owned(),
     };
-    if stop.passes.is_none() && stop.seconds.is_none() && stop.error.is_none() {
+    if stop.is_empty() {
         let problem = "no end is given".to_owned();
         return Err(FarmError::BadRequest { problem, remedy: "give passes, seconds or error".to_owned() });
     }

@@ -33,7 +33,7 @@ pub struct JobChanges {
 
 impl Shared {
     pub(super) async fn submit(&self, request: JobRequest) -> Result<JobId, FarmError> {
-        request::check_labels(&request)?;
+        request::check_labels(&request, &self.options.limits)?;
         let _turn = self.catalogue.take().await?;
         let scene = self.scene(&request.scene)?;
         let (description, terms) = self.agree(&request, &scene)?;
@@ -92,14 +92,14 @@ impl Shared {
         let chooses_method = request::asks_for_auto(request);
         let mut notices = scene.summary.notices.clone();
         let (method, stop) = if chooses_method {
-            request::check_stop(request.stop)?;
+            request::check_stop(request.stop, &self.options.limits)?;
             check_trials(&request.parameters, scene.integrator.as_ref(), pixels)?;
             (None, request.stop)
         } else {
             let integrator = scene.integrator.as_ref();
             let resolved = request::resolve_method(request, integrator, pixels, scene.traits)?;
             notices.extend(resolved.notices);
-            let stop = request::resolve_stop(request.stop, &resolved.method)?;
+            let stop = request::resolve_stop(request.stop, &resolved.method, &self.options.limits)?;
             (Some(resolved.method), stop)
         };
         let memory = pixels * bytes_per_pixel(method.as_ref())?;
@@ -125,7 +125,7 @@ impl Shared {
         let pixels = u64::from(scene.summary.width) * u64::from(scene.summary.height);
         let resolved = request::resolve_method(&request, scene.integrator.as_ref(), pixels, scene.traits)?;
         let ResolvedMethod { method, notices } = resolved;
-        let stop = request::resolve_stop(request.stop, &method)?;
+        let stop = request::resolve_stop(request.stop, &method, &self.options.limits)?;
         let memory = pixels * bytes_per_pixel(Some(&method))?;
         let terms = {
             let mut facts = lock(&job.facts);

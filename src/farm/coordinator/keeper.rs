@@ -87,7 +87,7 @@ pub(super) async fn keep(shared: Weak<Shared>, mut chores: mpsc::UnboundedReceiv
         }
         let Some(shared) = keeper.shared.upgrade() else { return };
         keeper.take_due_snapshots(&shared).await;
-        keeper.delete_old_jobs(&shared).await;
+        keeper.delete_what_is_old(&shared).await;
     }
 }
 
@@ -206,8 +206,8 @@ impl Keeper {
         }
     }
 
-    /// Deletes jobs that ended longer ago than they are kept.
-    async fn delete_old_jobs(&mut self, shared: &Arc<Shared>) {
+    /// Deletes jobs that ended longer ago than they are kept, and scenes that are as old and that no job refers to.
+    async fn delete_what_is_old(&mut self, shared: &Arc<Shared>) {
         let Some(kept) = shared.options.keep_ended.filter(|_| self.sweep <= Instant::now()) else { return };
         self.sweep = Instant::now() + kept.min(SWEEP);
         let before = shared.clock.unix_milliseconds() - kept.as_millis() as i64;
@@ -219,6 +219,9 @@ impl Keeper {
                 self.store_fails(shared, &problem);
                 return;
             }
+        }
+        if let Err(problem) = shared.delete_old_scenes(before).await {
+            self.store_fails(shared, &problem);
         }
     }
 

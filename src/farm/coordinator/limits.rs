@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::farm::ids::JobId;
+use crate::farm::rules::plan::PASSES_LIMIT;
 
 const GIB: u64 = 1 << 30;
 
@@ -16,12 +17,26 @@ pub struct Limits {
     pub job_bytes: u64,
     /// Pixels of a picture.
     pub pixels: u64,
+    /// Passes of a job.
+    pub passes: u32,
+    /// Bytes of a name: a job's or a worker's.
+    pub name_bytes: usize,
+    /// Tags of a job.
+    pub tags: usize,
+    /// Bytes of a tag.
+    pub tag_bytes: usize,
     /// Jobs that have not ended.
     pub live_jobs: usize,
     /// Uploads at the same time.
     pub uploads: usize,
-    /// Seconds without a byte after which an upload is given up.
+    /// Seconds without a byte after which an upload or a result is given up.
     pub upload_silence: u64,
+    /// Bytes of a worker's result: the tally of the largest region, or the radii of the largest picture, compressed.
+    pub result_bytes: u64,
+    /// Bytes of results that are received at the same time; further ones wait.
+    pub result_memory: u64,
+    /// Bytes of a worker's other messages.
+    pub message_bytes: usize,
     /// Bytes of memory for the states of all running jobs together. Jobs that do not fit wait; a job that never will is refused.
     pub job_memory: u64,
     /// Seconds after which a refused request may be repeated.
@@ -34,9 +49,16 @@ impl Default for Limits {
             scene_bytes: GIB,
             job_bytes: 64 << 20,
             pixels: 100_000_000,
+            passes: PASSES_LIMIT,
+            name_bytes: 200,
+            tags: 20,
+            tag_bytes: 100,
             live_jobs: 1000,
             uploads: 4,
             upload_silence: 30,
+            result_bytes: GIB / 2,
+            result_memory: GIB,
+            message_bytes: 1 << 20,
             job_memory: total_memory().map_or(8 * GIB, |total| total / 2),
             retry_after: 5,
         }

@@ -27,6 +27,7 @@ mod shared;
 mod status;
 mod viewed;
 
+use std::ops::Bound;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -41,7 +42,7 @@ pub(super) use shared::{JobRecord, Shared, blocking};
 
 use super::error::FarmError;
 use super::ids::JobId;
-use super::job::{JobRequest, JobStatus, StopRule, WorkerStatus};
+use super::job::{JobFilter, JobRequest, JobStatus, StopRule, WorkerStatus};
 use super::prepared_scenes::PreparedScenes;
 use super::rules::Event;
 use super::rules::terms::ErrorPoint;
@@ -60,7 +61,7 @@ pub struct CoordinatorOptions {
     pub check_share: f64,
     /// The least time between two snapshots of a job.
     pub snapshot_interval: Duration,
-    /// For how long ended jobs are kept; for ever by default.
+    /// For how long ended jobs are kept, and scenes without jobs; for ever by default.
     pub keep_ended: Option<Duration>,
     /// The prepared scenes of this process.
     pub scenes: PreparedScenes,
@@ -152,6 +153,15 @@ impl CoordinatorHandle {
     pub fn jobs(&self) -> Vec<JobStatus> {
         let state = self.shared.lock();
         state.jobs.values().map(|job| state.status(job, &self.shared.clock)).collect()
+    }
+
+    /// The first `limit` of the jobs that are meant, oldest first.
+    pub fn find_jobs(&self, filter: &JobFilter, limit: usize) -> Vec<JobStatus> {
+        let state = self.shared.lock();
+        let after = filter.after.map_or(Bound::Unbounded, Bound::Excluded);
+        let jobs = state.jobs.range((after, Bound::Unbounded));
+        let statuses = jobs.map(|(_, job)| state.status(job, &self.shared.clock));
+        statuses.filter(|job| filter.fits(job)).take(limit).collect()
     }
 
     /// How a job is doing now.

@@ -1,12 +1,12 @@
 //! From what a user asks for to a job that workers can trace: which method, which parameters, when to stop.
 
+use super::Limits;
 use crate::farm::error::FarmError;
 use crate::farm::job::{JobRequest, StopRule};
 use crate::farm::method_choice::{AUTO, DEFAULT_METHOD, choice, without_passed_over};
 use crate::method::{self, CheckedMethod, MethodError, SceneTraits};
 use crate::scene::Integrator;
 
-const PASSES_LIMIT: u32 = 1 << 31;
 /// A method that was checked, and what the user should know of the choice.
 pub struct ResolvedMethod {
     /// The method with all parameters.
@@ -54,18 +54,17 @@ pub fn resolve_method(
 }
 
 /// Checks a stop rule and completes it: without any rule the method's own passes count.
-pub fn resolve_stop(stop: StopRule, method: &CheckedMethod) -> Result<StopRule, FarmError> {
-    check_stop(stop)?;
-    let says_nothing = stop.passes.is_none() && stop.seconds.is_none() && stop.error.is_none();
-    Ok(StopRule { passes: if says_nothing { Some(method.passes) } else { stop.passes }, ..stop })
+pub fn resolve_stop(stop: StopRule, method: &CheckedMethod, limits: &Limits) -> Result<StopRule, FarmError> {
+    check_stop(stop, limits)?;
+    Ok(StopRule { passes: if stop.is_empty() { Some(method.passes) } else { stop.passes }, ..stop })
 }
 
 /// Checks the numbers of a stop rule.
-pub fn check_stop(stop: StopRule) -> Result<(), FarmError> {
-    if stop.passes.is_some_and(|passes| !(1..=PASSES_LIMIT).contains(&passes)) {
+pub fn check_stop(stop: StopRule, limits: &Limits) -> Result<(), FarmError> {
+    if stop.passes.is_some_and(|passes| !(1..=limits.passes).contains(&passes)) {
         return Err(FarmError::BadRequest {
             problem: format!("stop.passes is {}", stop.passes.unwrap_or_default()),
-            remedy: format!("give 1 to {PASSES_LIMIT} passes"),
+            remedy: format!("give 1 to {} passes", limits.passes),
         });
     }
     if stop.seconds.is_some_and(|seconds| !(seconds.is_finite() && seconds > 0.0)) {
@@ -83,26 +82,21 @@ pub fn check_stop(stop: StopRule) -> Result<(), FarmError> {
     Ok(())
 }
 
-/// Bytes that a name may have.
-const NAME_BYTES: usize = 200;
-/// Tags that a job may have, and bytes that each may have.
-const TAGS: usize = 20;
-const TAG_BYTES: usize = 100;
-
 /// Checks name and tags.
-pub fn check_labels(request: &JobRequest) -> Result<(), FarmError> {
+pub fn check_labels(request: &JobRequest, limits: &Limits) -> Result<(), FarmError> {
+    let Limits { name_bytes, tags, tag_bytes, .. } = *limits;
     let labels = request.name.iter().chain(&request.tags);
     if labels.flat_map(|label| label.chars()).any(char::is_control) {
         let problem = "name or tags hold control characters".to_owned();
         return Err(FarmError::BadRequest { problem, remedy: "leave them out".to_owned() });
     }
-    if request.name.as_ref().is_some_and(|name| name.len() > NAME_BYTES) {
+    if request.name.as_ref().is_some_and(|name| name.len() > name_bytes) {
         let problem = "the name is too long".to_owned();
-        return Err(FarmError::BadRequest { problem, remedy: format!("give at most {NAME_BYTES} bytes") });
+        return Err(FarmError::BadRequest { problem, remedy: format!("give at most {name_bytes} bytes") });
     }
-    if request.tags.len() > TAGS || request.tags.iter().any(|tag| tag.is_empty() || tag.len() > TAG_BYTES) {
+    if request.tags.len() > tags || request.tags.iter().any(|tag| tag.is_empty() || tag.len() > tag_bytes) {
         let problem = "the tags are too many or too long, or one is empty".to_owned();
-        let remedy = format!("give at most {TAGS} tags of 1 to {TAG_BYTES} bytes");
+        let remedy = format!("give at most {tags} tags of 1 to {tag_bytes} bytes");
         return Err(FarmError::BadRequest { problem, remedy });
     }
     Ok(())

@@ -45,7 +45,11 @@ impl Shared {
     /// From now on these are a job's snapshots; others that it had are deleted, once its record does not name them.
     pub(super) async fn keep_snapshots(&self, job: &JobRecord, kept: Snapshots) -> Result<(), StoreError> {
         let old = std::mem::replace(&mut lock(&job.facts).snapshots, kept.clone());
-        self.store.update_job(&self.row(job)).await?;
+        if let Err(problem) = self.store.update_job(&self.row(job)).await {
+            // The record names the old ones still, as far as anybody knows.
+            lock(&job.facts).snapshots = old;
+            return Err(problem);
+        }
         for name in old.all().filter(|name| !kept.all().any(|kept| kept == *name)) {
             self.store.blobs().delete(name).await?;
         }

@@ -1,6 +1,8 @@
 //! Scenes: checked once, kept as the bytes that came.
 
+use std::collections::HashSet;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicI64, Ordering};
 
 use bytes::Bytes;
 use serde::{Deserialize, Serialize};
@@ -41,6 +43,9 @@ pub(super) struct SceneRecord {
     pub(super) summary: SceneSummary,
     pub(super) traits: SceneTraits,
     pub(super) integrator: Option<Integrator>,
+    /// When somebody uploaded it last, milliseconds since 1970.
+    #[serde(skip)]
+    uploaded: AtomicI64,
 }
 
 impl Shared {
@@ -87,6 +92,7 @@ impl Shared {
     async fn add_uploaded(&self, uploaded: Uploaded) -> Result<SceneSummary, FarmError> {
         let hash = uploaded.hash.clone();
         if let Ok(known) = self.scene(&hash) {
+            known.uploaded.store(self.clock.unix_milliseconds(), Ordering::Relaxed);
             uploaded.discard().await?;
             return Ok(known.summary.clone());
         }
@@ -97,7 +103,13 @@ impl Shared {
                 return Err(problem);
             }
         };
-        let _turn = self.catalogue.take().await?;
+        let _turn = match self.catalogue.take().await {
+            Ok(turn) => turn,
+            Err(problem) => {
+                uploaded.discard().await?;
+                return Err(problem);
+            }
+        };
         uploaded.keep().await?;
         let row = SceneRow {
             hash: hash.clone(),
@@ -134,7 +146,8 @@ impl Shared {
             notices: scene.notices.clone(),
         };
         let (integrator, traits) = (scene.integrator.clone(), SceneTraits::of(&scene));
-        Ok(SceneRecord { summary, integrator, traits })
+        let uploaded = AtomicI64::new(self.clock.unix_milliseconds());
+        Ok(SceneRecord { summary, integrator, traits, uploaded })
     }
 
     /// Takes the scenes of the store over.
@@ -145,6 +158,7 @@ impl Shared {
                 problem: problem.to_string(),
             };
             let record: SceneRecord = serde_json::from_str(&row.record).map_err(bad)?;
+            record.uploaded.store(row.created, Ordering::Relaxed);
             self.lock().scenes.insert(row.hash, Arc::new(record));
         }
         Ok(())
@@ -164,9 +178,30 @@ impl Shared {
                 });
             }
         }
+        Ok(self.erase_scene(hash).await?)
+    }
+
+    /// Nothing of a scene stays. Who calls has the catalogue's turn.
+    async fn erase_scene(&self, hash: &str) -> Result<(), StoreError> {
         self.store.delete_scene(hash).await?;
         self.lock().scenes.remove(hash);
-        Ok(self.store.blobs().delete(&BlobName::of_scene(hash)).await?)
+        self.store.blobs().delete(&BlobName::of_scene(hash)).await
+    }
+
+    /// Deletes the scenes that nobody uploaded since `before`, milliseconds since 1970, and that no job refers to.
+    pub(super) async fn delete_old_scenes(&self, before: i64) -> Result<(), StoreError> {
+        let Some(_turn) = self.catalogue.take_now() else { return Ok(()) };
+        let old: Vec<String> = {
+            let state = self.lock();
+            let used: HashSet<String> = state.jobs.values().map(|job| job.description().scene).collect();
+            let is_old = |scene: &SceneRecord| scene.uploaded.load(Ordering::Relaxed) < before;
+            let old = state.scenes.iter().filter(|(hash, scene)| !used.contains(*hash) && is_old(scene));
+            old.map(|(hash, _)| hash.clone()).collect()
+        };
+        for hash in old {
+            self.erase_scene(&hash).await?;
+        }
+        Ok(())
     }
 }
 

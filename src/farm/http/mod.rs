@@ -9,17 +9,19 @@
 //! | `GET scenes/{hash}` | 200; 404 |
 //! | `GET jobs/{id}/radius/{epoch}/{region}` | 200, 304; 404 when it is not needed any more |
 //!
-//! A worker that the coordinator does not know (any more) gets 410 and registers again. Problems are plain text.
+//! `POST result` answers 408 when its bytes stop coming, 411 without a length, 413 when it is too long; it waits while others fill the memory
+//! that is meant for results. A worker that the coordinator does not know (any more) gets 410 and registers again. Problems are plain text.
 
 mod delivery;
 mod problem;
+mod receiving;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::Bytes;
+use axum::body::{Body, Bytes};
 use axum::extract::{DefaultBodyLimit, Path, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -40,29 +42,26 @@ use crate::farm::wire::messages::{
 };
 use crate::farm::wire::{self, WireError};
 use problem::Problem;
+use receiving::ResultRoom;
 
 /// How long a worker waits for work before it is told that there is none.
 const LEASE_WAIT: Duration = Duration::from_secs(10);
 /// How often a waiting worker's turn is checked even if nothing happened: shards become overdue by time alone.
 const LEASE_CHECK: Duration = Duration::from_millis(500);
-/// The largest result: a tally of the largest region, or the radii of the largest picture, compressed.
-const RESULT_LIMIT: usize = 512 << 20;
-/// The largest other message.
-const MESSAGE_LIMIT: usize = 1 << 20;
-/// The longest name of a worker, bytes.
-const NAME_LIMIT: usize = 200;
 
 /// Routes for workers: register, lease, heartbeat, result, release, scenes and radius fields.
 pub fn router(coordinator: CoordinatorHandle) -> Router {
+    let room = ResultRoom::new(coordinator.limits());
+    let messages = DefaultBodyLimit::max(coordinator.limits().message_bytes);
     Router::new()
         .route("/register", post(register))
         .route("/lease", post(lease))
         .route("/heartbeat", post(heartbeat))
         .route("/release", post(release))
-        .route("/result", post(result).layer(DefaultBodyLimit::max(RESULT_LIMIT)))
+        .route("/result", post(move |state, headers, body| result(state, room, headers, body)))
         .route("/scenes/{hash}", get(scene))
         .route("/jobs/{id}/radius/{epoch}/{region}", get(radius_field))
-        .layer(DefaultBodyLimit::max(MESSAGE_LIMIT))
+        .layer(messages)
         .with_state(coordinator)
 }
 
@@ -84,8 +83,9 @@ async fn register(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> 
         );
         return Err(Problem::new(StatusCode::CONFLICT, text));
     }
-    if request.name.len() > NAME_LIMIT || request.threads == 0 {
-        let text = format!("a worker has a name of at most {NAME_LIMIT} bytes and at least one thread");
+    let longest = coordinator.limits().name_bytes;
+    if request.name.len() > longest || request.threads == 0 {
+        let text = format!("a worker has a name of at most {longest} bytes and at least one thread");
         return Err(Problem::new(StatusCode::BAD_REQUEST, text));
     }
     let shared = &coordinator.shared;
@@ -137,9 +137,9 @@ async fn heartbeat(State(coordinator): State<CoordinatorHandle>, body: Bytes) ->
     let request: HeartbeatRequest = read(body)?;
     let leases = request.leases.into_iter().map(LeaseId::new).collect();
     match coordinator.shared.apply(Event::HeartbeatCame { worker: WorkerId::new(request.worker), leases }) {
-        Answer::Alive { cancelled, drain } => {
+        Answer::Alive { cancelled } => {
             let cancelled = cancelled.into_iter().map(LeaseId::number).collect();
-            Ok(written(&HeartbeatResponse { cancelled, drain }))
+            Ok(written(&HeartbeatResponse { cancelled }))
         }
         _ => Err(Problem::unknown_worker()),
     }
@@ -156,11 +156,22 @@ async fn release(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> R
     Ok(StatusCode::OK)
 }
 
-async fn result(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<Response, Problem> {
-    let request: ResultRequest = read(body)?;
+async fn result(
+    State(coordinator): State<CoordinatorHandle>,
+    room: ResultRoom,
+    headers: HeaderMap,
+    body: Body,
+) -> Result<Response, Problem> {
+    let received = room.receive(&headers, body).await?;
+    let request: ResultRequest = read(received.body.clone())?;
     // The merge goes on when the worker hangs up: its result was taken.
     let shared = coordinator.shared.clone();
-    let delivered = coordinator.shared.busy.spawn_blocking(move || delivery::deliver(&shared, request));
+    let deliver = move || {
+        let response = delivery::deliver(&shared, request);
+        drop(received);
+        response
+    };
+    let delivered = coordinator.shared.busy.spawn_blocking(deliver);
     let response = delivered.await.map_err(|problem| {
         tracing::error!(%problem, "a result could not be merged");
         Problem::new(StatusCode::INTERNAL_SERVER_ERROR, problem.to_string())

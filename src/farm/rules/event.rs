@@ -181,8 +181,6 @@ pub enum Answer {
     Alive {
         /// Leases of no use any more.
         cancelled: Vec<LeaseId>,
-        /// The coordinator is shutting down.
-        drain: bool,
     },
     /// Merge the result when its turn comes; it will not be asked for again.
     Take(Lease),

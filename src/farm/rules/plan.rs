@@ -30,7 +30,7 @@ const EPOCH_LAG: u32 = 1;
 /// For so many epochs more than merging needs them, radius fields are kept to check shards.
 const CHECKED_EPOCHS: u32 = 2;
 /// Passes when no stop rule names them; pass indices are 32-bit.
-const PASSES_LIMIT: u32 = 1 << 31;
+pub const PASSES_LIMIT: u32 = 1 << 31;
 
 /// The cut of a job.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

@@ -170,7 +170,7 @@ impl Rules {
         for id in kept {
             self.leases.extend(id, now + self.options.lease_duration);
         }
-        Answer::Alive { cancelled, drain: self.is_draining }
+        Answer::Alive { cancelled }
     }
 
     pub(super) fn release(&mut self, now: Duration, worker: WorkerId, leases: &[LeaseId]) -> Answer {

@@ -44,7 +44,10 @@ impl CallError {
         match self {
             Self::Unreachable(_) => true,
             Self::Forgotten => false,
-            Self::Status(status, _) => status.is_server_error() || *status == StatusCode::TOO_MANY_REQUESTS,
+            Self::Status(status, _) => {
+                status.is_server_error()
+                    || [StatusCode::TOO_MANY_REQUESTS, StatusCode::REQUEST_TIMEOUT].contains(status)
+            }
         }
     }
 }
