@@ -1,7 +1,7 @@
 //! Rules of the house that a machine can check: which layer may know which, where a crate may be named, what has a file
 //! or a row of its own, and how long files may get.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -301,36 +301,85 @@ const HARMLESS: &[&str] = &[
     "farm::prepared_scenes",
 ];
 
-/// Every item that a file imports from the crate or names by its whole path, as paths without groups.
-fn imported_items(file: &SourceFile) -> Vec<String> {
-    fn expand(path: &str, items: &mut Vec<String>) {
-        let Some(open) = path.find('{') else { return items.push(path.trim().to_owned()) };
-        let inside = path[open + 1..].trim_end().trim_end_matches('}');
-        let (mut depth, mut start) = (0, 0);
-        for (at, letter) in inside.char_indices().chain([(inside.len(), ',')]) {
-            match letter {
-                '{' => depth += 1,
-                '}' => depth -= 1,
-                ',' if depth == 0 => {
-                    if !inside[start..at].trim().is_empty() {
-                        expand(&format!("{}{}", &path[..open], inside[start..at].trim()), items);
-                    }
-                    start = at + 1;
+/// A path with groups as paths without: `a::{b, c::{d, e}}` is `a::b`, `a::c::d` and `a::c::e`.
+fn without_groups(path: &str) -> Vec<String> {
+    let Some(open) = path.find('{') else { return vec![path.trim().to_owned()] };
+    let inside = path[open + 1..].trim_end().trim_end_matches('}');
+    let (mut items, mut depth, mut start) = (Vec::new(), 0, 0);
+    for (at, letter) in inside.char_indices().chain([(inside.len(), ',')]) {
+        match letter {
+            '{' => depth += 1,
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                if !inside[start..at].trim().is_empty() {
+                    items.extend(without_groups(&format!("{}{}", &path[..open], inside[start..at].trim())));
                 }
-                _ => {}
+                start = at + 1;
             }
+            _ => {}
         }
     }
-    let mut items = Vec::new();
-    for import in file.code.split("use crate::").skip(1) {
-        expand(import.split(';').next().unwrap_or_default(), &mut items);
-    }
+    items
+}
+
+/// Every item that a file imports from the crate or names by its whole path, as paths without groups.
+fn imported_items(file: &SourceFile) -> Vec<String> {
+    let imports = file.code.split("use crate::").skip(1);
+    let mut items: Vec<String> =
+        imports.flat_map(|import| without_groups(import.split(';').next().unwrap_or_default())).collect();
     for (at, _) in file.code.match_indices("crate::").filter(|(at, _)| !file.code[..*at].ends_with("use ")) {
         let path = &file.code[at + "crate::".len()..];
         let end = path.find(|letter: char| !(letter.is_alphanumeric() || letter == '_' || letter == ':'));
         items.push(path[..end.unwrap_or(path.len())].to_owned());
     }
     items
+}
+
+/// The module that a file is: `farm::http` for `farm/http/mod.rs`.
+fn module(file: &SourceFile) -> String {
+    file.path.trim_end_matches(".rs").trim_end_matches("/mod").replace('/', "::")
+}
+
+/// The modules whose items a file imports with `use`, out of those that are known.
+fn imported_modules(file: &SourceFile, known: &BTreeSet<String>) -> BTreeSet<String> {
+    let own = module(file);
+    let statements = file.code.split("use ").skip(1).filter_map(|rest| rest.split_once(';')).map(|(path, _)| path);
+    let absolute = |item: String| {
+        let ups = item.matches("super::").count();
+        let place: Vec<&str> = own.split("::").collect();
+        match item.strip_prefix("crate::") {
+            Some(path) => path.to_owned(),
+            None if ups > 0 => {
+                [&place[..place.len().saturating_sub(ups)].join("::"), &item[ups * "super::".len()..]].join("::")
+            }
+            None => format!("{own}::{item}"),
+        }
+    };
+    let found = statements.flat_map(without_groups).map(absolute).filter_map(|path| {
+        let ends = path.match_indices("::").map(|(at, _)| at).chain([path.len()]);
+        ends.map(|end| path[..end].to_owned()).filter(|module| known.contains(module)).last()
+    });
+    found.filter(|module| *module != own).collect()
+}
+
+/// Files of a folder that has no circles can be read one after the other, each after those that it imports.
+#[test]
+fn structure_files_of_the_farm_import_each_other_in_one_direction() {
+    let files: Vec<SourceFile> = sources().into_iter().filter(|file| file.layer() == "farm").collect();
+    let known: BTreeSet<String> = files.iter().map(module).collect();
+    let mut left: BTreeMap<String, BTreeSet<String>> =
+        files.iter().map(|file| (module(file), imported_modules(file, &known))).collect();
+    assert!(left.values().map(BTreeSet::len).sum::<usize>() > 200, "the parser is broken");
+    loop {
+        let read: BTreeSet<String> = left.keys().filter(|file| left[*file].is_empty()).cloned().collect();
+        if read.is_empty() {
+            break;
+        }
+        left.retain(|file, _| !read.contains(file));
+        left.values_mut().for_each(|imports| imports.retain(|import| !read.contains(import)));
+    }
+    let violations: Vec<String> = left.iter().map(|(file, imports)| format!("{file} waits for {imports:?}")).collect();
+    assert_none(&violations, "files that import each other, and what imports those");
 }
 
 #[test]

@@ -27,11 +27,13 @@ use tokio::net::TcpListener;
 use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 
+use super::coordinator::{CoordinatorHandle, CoordinatorOptions};
+use super::error::FarmError;
+use super::http;
 use super::prepared_scenes::PreparedScenes;
 use super::store::Store;
 use super::worker::dial::Dialer;
 use super::worker::{KEPT_SCENES, WorkerError, WorkerOptions, run_worker};
-use super::{CoordinatorHandle, CoordinatorOptions, FarmError, http};
 
 /// How long requests and workers may take to end.
 const SHUTDOWN_PATIENCE: Duration = Duration::from_secs(10);

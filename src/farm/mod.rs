@@ -37,6 +37,7 @@
 
 pub mod coordinator;
 pub mod error;
+mod events;
 pub mod http;
 pub mod ids;
 pub mod job;
@@ -54,7 +55,5 @@ pub mod worker;
 
 pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneSummary};
 pub use error::FarmError;
+pub use events::EVENTS;
 pub use local_farm::LocalFarm;
-
-/// Target of log lines for people who run a farm; they are shown unless the log is off.
-pub const EVENTS: &str = "photonfarm::events";

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use super::chores::Chore;
 use super::jobs::JobChanges;
-use super::keeper::{Chore, is_done};
 use super::request;
 use super::shared::{JobInTurn, JobRecord, Shared, blocking};
 use crate::farm::error::FarmError;
@@ -11,7 +11,7 @@ use crate::farm::ids::JobId;
 use crate::farm::job::{JobState, JobStatus, StopRule};
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
-use crate::farm::rules::Event;
+use crate::farm::rules::{Answer, Event};
 use crate::farm::snapshot::Snapshot;
 use crate::farm::store::jobs::Snapshots;
 
@@ -26,7 +26,7 @@ impl Shared {
         let is_cancel = matches!(event, Event::JobCancelled { .. });
         let status = blocking(move || {
             let _merging = lock(&job.merging);
-            let is_done = is_done(&shared.apply(event));
+            let is_done = shared.apply(event) == Answer::Done;
             let status = shared.lock().status(&job, &shared.clock);
             // Who cancels wants it not to run, and it does not.
             if is_done || is_cancel { Ok(status) } else { Err(wrong_state(id, status.state)) }

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::keeper::Chore;
+use super::chores::Chore;
 use super::request::{self, ResolvedMethod};
-use super::scenes::SceneRecord;
+use super::scene_record::SceneRecord;
 use super::shared::{JobFacts, JobRecord, Shared, State};
 use crate::estimate::{Declaration, Estimate, RadiusRule, Region};
 use crate::evaluation::DEFAULT_ERROR;

@@ -11,17 +11,17 @@ use std::time::Duration;
 use tokio::sync::{mpsc, oneshot};
 use tokio::time::{Instant, sleep, timeout};
 
+use super::chores::Chore;
 use super::shared::{JobRecord, Shared};
-use crate::farm::EVENTS;
 use crate::farm::error::FarmError;
+use crate::farm::events::EVENTS;
 use crate::farm::ids::JobId;
 use crate::farm::job::JobState;
 use crate::farm::locks::lock;
+use crate::farm::rules::Event;
 use crate::farm::rules::job::Job;
 use crate::farm::rules::terms::PauseReason;
-use crate::farm::rules::{Answer, Event, Rollback};
 use crate::farm::store::jobs::Snapshots;
-use crate::farm::store::journal::JournalRow;
 use crate::farm::store::{BlobName, StoreError};
 
 /// How often the keeper looks whether a snapshot is due.
@@ -36,31 +36,6 @@ const ANSWER_PATIENCE: Duration = Duration::from_secs(10);
 const SWEEP: Duration = Duration::from_secs(60);
 /// How long a store may be out of reach before jobs pause.
 const OUTAGE_PATIENCE: Duration = Duration::from_secs(30);
-
-/// Something to be stored.
-pub(super) enum Chore {
-    /// A job's record.
-    Record(JobId),
-    /// A job was refused after all: no record of it stays.
-    Refused(JobId),
-    /// The final state of a job that has ended.
-    Finish(JobId),
-    /// A job goes back to what can be trusted.
-    RollBack(Rollback),
-    /// Lines of the journal.
-    Journal(Vec<JournalRow>),
-    /// A worker was there.
-    Worker {
-        /// Its name.
-        name: String,
-        /// Its threads.
-        threads: u32,
-    },
-    /// Snapshots of all jobs, because the coordinator stops.
-    SnapshotAll,
-    /// Answers when everything before is stored.
-    Barrier(oneshot::Sender<()>),
-}
 
 struct Keeper {
     shared: Weak<Shared>,
@@ -281,12 +256,6 @@ impl Keeper {
 }
 
 impl Shared {
-    /// Hands something to the keeper.
-    pub(super) fn leave_to_keeper(&self, chore: Chore) {
-        // Without a keeper the coordinator is ending.
-        let _ = self.chores.send(chore);
-    }
-
     /// Returns when everything that was handed to the keeper so far is stored.
     ///
     /// # Errors
@@ -335,9 +304,4 @@ impl Shared {
         let found = state.rules.jobs().filter(|(_, job)| are(job));
         found.filter_map(|(id, _)| state.jobs.get(&id).cloned()).collect()
     }
-}
-
-/// Whether the rules accepted it.
-pub(super) fn is_done(answer: &Answer) -> bool {
-    *answer == Answer::Done
 }

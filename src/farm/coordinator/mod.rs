@@ -6,82 +6,59 @@
 //!
 //! | file | what |
 //! |---|---|
+//! | `lifetime` | how it starts, lets time pass, and stops |
 //! | `shared` | events go in, effects are carried out |
-//! | `scenes`, `jobs`, `control` | what users ask for |
+//! | `scenes`, `jobs`, `control` | what users ask for, one `turn` after the other |
 //! | `results` | what workers deliver |
-//! | `keeper`, `records`, `restoring` | what is stored, and how it comes back |
-//! | `viewed`, `layers` | pictures, also of jobs that ended long ago |
+//! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
+//! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
 //! | [`request`], `status` | what users say and are told |
+//! | `options`, `limits` | how it runs, and what it accepts |
 
+mod chores;
+mod clock;
 mod control;
 mod jobs;
 mod keeper;
-mod layers;
+mod lifetime;
 mod limits;
+mod options;
+mod pictures;
 mod records;
 pub mod request;
 mod restoring;
 mod results;
+mod scene_record;
 mod scenes;
+mod seen_first;
 mod shared;
 mod status;
+mod turn;
 mod viewed;
 
 use std::ops::Bound;
 use std::sync::Arc;
-use std::time::Duration;
 
 use bytes::Bytes;
 use tokio::sync::watch;
 
 pub use jobs::JobChanges;
 pub use limits::{FaultHooks, Limits};
+pub use options::CoordinatorOptions;
 pub(super) use results::{Delivered, Delivery, Payload};
-pub use scenes::{SceneSummary, SceneUpload};
+pub use scene_record::SceneSummary;
+pub use scenes::SceneUpload;
 pub(super) use shared::{JobRecord, Shared, blocking};
 
 use super::error::FarmError;
 use super::ids::JobId;
 use super::job::{JobFilter, JobRequest, JobStatus, StopRule, WorkerStatus};
-use super::prepared_scenes::PreparedScenes;
 use super::rules::Event;
 use super::rules::terms::ErrorPoint;
 use super::store::Store;
 use super::store::journal::JournalRow;
 use crate::estimate::Picture;
-
-/// How a coordinator runs.
-#[derive(Clone)]
-pub struct CoordinatorOptions {
-    /// How long a lease lives without a heartbeat.
-    pub lease_duration: Duration,
-    /// What it takes.
-    pub limits: Limits,
-    /// The share of shards that two workers trace and whose bits are compared, 0 to 1.
-    pub check_share: f64,
-    /// The least time between two snapshots of a job.
-    pub snapshot_interval: Duration,
-    /// For how long ended jobs are kept, and scenes without jobs; for ever by default.
-    pub keep_ended: Option<Duration>,
-    /// The prepared scenes of this process.
-    pub scenes: PreparedScenes,
-    /// Faults on purpose, for tests.
-    pub faults: FaultHooks,
-}
-
-impl Default for CoordinatorOptions {
-    fn default() -> Self {
-        Self {
-            lease_duration: Duration::from_secs(15),
-            limits: Limits::default(),
-            check_share: 0.01,
-            snapshot_interval: Duration::from_secs(30),
-            keep_ended: None,
-            scenes: PreparedScenes::new(0),
-            faults: FaultHooks::default(),
-        }
-    }
-}
+use crate::estimate::picture_files::{Layer, PictureLayer};
 
 /// The door to a running coordinator. Cheap to clone; all clones speak to the same one.
 #[derive(Clone)]
@@ -173,6 +150,18 @@ impl CoordinatorHandle {
     /// A job's status as it changes. The last value stays readable after the job has ended.
     pub fn watch(&self, id: JobId) -> Result<watch::Receiver<JobStatus>, FarmError> {
         Ok(self.shared.job(id)?.watch())
+    }
+
+    /// The picture as merged so far, the layers asked for, and the status that belongs to all of them.
+    ///
+    /// # Errors
+    /// Layers of first surfaces need a worker that looks; without one they are [`FarmError::NotYet`].
+    pub async fn picture_with_layers(
+        &self,
+        id: JobId,
+        wanted: &[Layer],
+    ) -> Result<(Picture, Vec<PictureLayer>, JobStatus), FarmError> {
+        self.shared.picture_with_layers(id, wanted).await
     }
 
     /// The picture as merged so far, and the status that belongs to it.

@@ -1,6 +1,6 @@
 //! From what a user asks for to a job that workers can trace: which method, which parameters, when to stop.
 
-use super::Limits;
+use super::limits::Limits;
 use crate::farm::error::FarmError;
 use crate::farm::job::{JobRequest, StopRule};
 use crate::farm::method_choice::{AUTO, DEFAULT_METHOD, choice, without_passed_over};

@@ -1,7 +1,7 @@
 //! Jobs go on from stored states: after a restart, and after wrong bits from one that can be trusted.
 
 use super::shared::{JobRecord, Shared};
-use crate::farm::EVENTS;
+use crate::farm::events::EVENTS;
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
 use crate::farm::store::jobs::Snapshots;

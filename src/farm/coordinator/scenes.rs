@@ -5,9 +5,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering};
 
 use bytes::Bytes;
-use serde::{Deserialize, Serialize};
 use tokio::sync::OwnedSemaphorePermit;
 
+use super::scene_record::{SceneRecord, SceneSummary};
 use super::shared::{Shared, blocking};
 use crate::farm::error::FarmError;
 use crate::farm::prepared_scenes::prepare_scene;
@@ -16,37 +16,6 @@ use crate::farm::store::blobs::Uploaded;
 use crate::farm::store::scenes::SceneRow;
 use crate::farm::store::{BlobName, StoreError, Upload};
 use crate::method::SceneTraits;
-use crate::scene::Integrator;
-
-/// A scene that was uploaded, checked and prepared.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
-pub struct SceneSummary {
-    /// BLAKE3 of its bytes, 64 hexadecimal digits.
-    pub hash: String,
-    /// Picture width, pixels.
-    pub width: u32,
-    /// Picture height, pixels.
-    pub height: u32,
-    /// Bytes of the file or archive.
-    pub bytes: u64,
-    /// The method that its integrator asks for.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub integrator: Option<String>,
-    /// Things the user should know, one sentence each.
-    pub notices: Vec<String>,
-}
-
-/// What the coordinator knows of a scene. Its bytes are in the store.
-#[derive(Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SceneRecord {
-    pub(super) summary: SceneSummary,
-    pub(super) traits: SceneTraits,
-    pub(super) integrator: Option<Integrator>,
-    /// When somebody uploaded it last, milliseconds since 1970.
-    #[serde(skip)]
-    uploaded: AtomicI64,
-}
 
 impl Shared {
     pub(super) fn scene(&self, hash: &str) -> Result<Arc<SceneRecord>, FarmError> {

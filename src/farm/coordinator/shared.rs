@@ -2,68 +2,32 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::atomic::AtomicU32;
-use std::sync::{Arc, Mutex, MutexGuard, Weak};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::Duration;
 
 use tokio::sync::{OwnedMutexGuard, Semaphore, mpsc, watch};
-use tokio::time::{Instant, timeout};
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use super::CoordinatorOptions;
-use super::keeper::{Chore, keep};
-use super::layers::SeenFirst;
-use super::scenes::SceneRecord;
+use super::chores::Chore;
+use super::clock::Clock;
+use super::options::CoordinatorOptions;
+use super::scene_record::SceneRecord;
+use super::seen_first::SeenFirst;
+use super::turn::Turn;
 use super::viewed::Viewed;
-use crate::farm::EVENTS;
 use crate::farm::error::FarmError;
+use crate::farm::events::EVENTS;
 use crate::farm::ids::JobId;
 use crate::farm::job::{JobRequest, JobStatus};
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
-use crate::farm::rules::check::CheckShare;
 use crate::farm::rules::terms::{ErrorPoint, PauseReason, Terms};
-use crate::farm::rules::{Answer, Effects, Event, Notice, Rules, RulesOptions};
+use crate::farm::rules::{Answer, Effects, Event, Notice, Rules};
 use crate::farm::store::Store;
 use crate::farm::store::jobs::Snapshots;
 use crate::farm::store::journal::JournalRow;
 use crate::farm::wire::lease::JobDescription;
-
-/// How often time passes for the rules.
-const TICK: Duration = Duration::from_millis(200);
-/// How long a user's request waits for those before it.
-const TURN_PATIENCE: Duration = Duration::from_secs(15);
-/// Ids of workers and leases that a coordinator may use before those of the next run begin: 2⁴⁰.
-const EPOCH_SHIFT: u32 = 40;
-
-/// Time since start, and what it is called outside.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Clock {
-    started: Instant,
-    started_unix: Duration,
-}
-
-impl Clock {
-    fn start() -> Self {
-        let started_unix = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        Self { started: Instant::now(), started_unix }
-    }
-
-    /// Time since start.
-    pub(super) fn now(&self) -> Duration {
-        self.started.elapsed()
-    }
-
-    /// Milliseconds since 1970, now.
-    pub(super) fn unix_milliseconds(&self) -> i64 {
-        self.unix(self.now()).as_millis() as i64
-    }
-
-    /// Time since 1970 at `now`.
-    pub(super) fn unix(&self, now: Duration) -> Duration {
-        self.started_unix + now
-    }
-}
 
 /// What all clones of a handle share.
 pub(in crate::farm) struct Shared {
@@ -106,30 +70,10 @@ pub(in crate::farm) struct JobRecord {
     pub(super) users: Turn,
 }
 
-/// What is done one after the other.
-#[derive(Debug, Default)]
-pub(super) struct Turn(Arc<tokio::sync::Mutex<()>>);
-
 /// A job that is there, while no other user does something to it.
 pub(super) struct JobInTurn {
     pub(super) job: Arc<JobRecord>,
     _turn: OwnedMutexGuard<()>,
-}
-
-impl Turn {
-    /// Waits for its turn.
-    ///
-    /// # Errors
-    /// Those before do not end, for example because the store does not answer them.
-    pub(super) async fn take(&self) -> Result<OwnedMutexGuard<()>, FarmError> {
-        let late = |_| FarmError::Store { problem: "others wait for the store already".to_owned() };
-        timeout(TURN_PATIENCE, self.0.clone().lock_owned()).await.map_err(late)
-    }
-
-    /// The turn, if nobody has it.
-    pub(super) fn take_now(&self) -> Option<OwnedMutexGuard<()>> {
-        self.0.clone().try_lock_owned().ok()
-    }
 }
 
 /// What was asked for, and what was made of it.
@@ -198,24 +142,17 @@ impl JobRecord {
 }
 
 impl Shared {
-    pub(super) async fn start(options: CoordinatorOptions, store: Store) -> Result<Arc<Self>, FarmError> {
-        let clock = Clock::start();
-        let rules = RulesOptions {
-            lease_duration: options.lease_duration,
-            memory_budget: options.limits.job_memory,
-            check_share: CheckShare::new(options.check_share),
-            // Ids that rise from one run to the next: a worker of an earlier run is not taken for one of this.
-            first_id: (store.epoch() << EPOCH_SHIFT).max(clock.unix(Duration::ZERO).as_micros() as u64),
-        };
-        let state = State {
-            rules: Rules::new(rules),
-            jobs: BTreeMap::new(),
-            scenes: HashMap::new(),
-            last_job: store.last_job().await?,
-            is_closed: false,
-        };
-        let (chores, waiting) = mpsc::unbounded_channel();
-        let shared = Self {
+    /// Nothing but the rules of a farm without jobs.
+    pub(super) fn new(
+        options: CoordinatorOptions,
+        store: Store,
+        clock: Clock,
+        rules: Rules,
+        last_job: Option<JobId>,
+        chores: mpsc::UnboundedSender<Chore>,
+    ) -> Self {
+        let state = State { rules, jobs: BTreeMap::new(), scenes: HashMap::new(), last_job, is_closed: false };
+        Self {
             uploads: Arc::new(Semaphore::new(options.limits.uploads)),
             catalogue: Turn::default(),
             options,
@@ -228,14 +165,7 @@ impl Shared {
             work: watch::Sender::new(0),
             stopped: CancellationToken::new(),
             busy: TaskTracker::new(),
-        };
-        let shared = Arc::new(shared);
-        shared.take_over_scenes().await?;
-        let rows = shared.store.job_rows().await?;
-        shared.take_over(rows).await?;
-        tokio::spawn(keep(Arc::downgrade(&shared), waiting));
-        tokio::spawn(keep_time(Arc::downgrade(&shared), shared.stopped.clone()));
-        Ok(shared)
+        }
     }
 
     pub(in crate::farm) fn lock(&self) -> MutexGuard<'_, State> {
@@ -309,32 +239,9 @@ impl Shared {
         Ok(JobInTurn { job: self.job(id)?, _turn: turn })
     }
 
-    /// Ends when every tally that arrived has been merged, and everything is stored.
-    pub(super) async fn stop(&self) {
-        self.busy.close();
-        self.busy.wait().await;
-        if self.store.is_durable() {
-            self.leave_to_keeper(Chore::SnapshotAll);
-        }
-        if let Err(problem) = self.stored().await {
-            tracing::error!(target: EVENTS, "{problem}");
-        }
-        self.stopped.cancel();
-        self.store.close().await;
-    }
-}
-
-/// Lets time pass until the coordinator is stopped or dropped.
-async fn keep_time(shared: Weak<Shared>, stopped: CancellationToken) {
-    let mut interval = tokio::time::interval(TICK);
-    interval.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
-    while stopped.run_until_cancelled(interval.tick()).await.is_some() {
-        match shared.upgrade() {
-            Some(shared) => {
-                shared.apply(Event::TimePassed);
-                shared.viewed.expire();
-            }
-            None => return,
-        }
+    /// Hands something to the keeper.
+    pub(super) fn leave_to_keeper(&self, chore: Chore) {
+        // Without a keeper the coordinator is ending.
+        let _ = self.chores.send(chore);
     }
 }

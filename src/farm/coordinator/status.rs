@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use super::shared::{Clock, JobFacts, JobRecord, State};
+use super::clock::Clock;
+use super::shared::{JobFacts, JobRecord, State};
 use crate::estimate::ErrorEstimate;
 use crate::estimate::error::CONFIDENCE;
 use crate::farm::ids::WorkerId;

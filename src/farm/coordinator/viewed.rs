@@ -5,8 +5,6 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
-use super::shared::{JobRecord, Shared, blocking};
-use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
@@ -26,16 +24,6 @@ struct View {
 #[derive(Default)]
 pub(super) struct Viewed(Mutex<Vec<View>>);
 
-/// A state as it was looked for in memory.
-enum InMemory<T, Read> {
-    /// What was read of it.
-    Read(T),
-    /// Nothing is merged yet.
-    Empty,
-    /// It is not in memory; nothing was read.
-    Elsewhere(Read),
-}
-
 impl Viewed {
     /// Keeps a state for those who will look soon.
     pub(super) fn insert(&self, job: JobId, merging: Option<Merging>) {
@@ -44,7 +32,8 @@ impl Viewed {
         }
     }
 
-    fn insert_shared(&self, job: JobId, merging: Arc<Merging>) {
+    /// The same of one that somebody looks at already.
+    pub(super) fn insert_shared(&self, job: JobId, merging: Arc<Merging>) {
         let mut views = lock(&self.0);
         views.retain(|view| view.job != job);
         views.push(View { job, merging, looked: Instant::now() });
@@ -53,7 +42,8 @@ impl Viewed {
         }
     }
 
-    fn get(&self, job: JobId) -> Option<Arc<Merging>> {
+    /// The state of a job, if somebody looked at it lately.
+    pub(super) fn get(&self, job: JobId) -> Option<Arc<Merging>> {
         let mut views = lock(&self.0);
         let view = views.iter_mut().find(|view| view.job == job)?;
         view.looked = Instant::now();
@@ -68,45 +58,5 @@ impl Viewed {
     /// Forgets what nobody looks at.
     pub(super) fn expire(&self) {
         lock(&self.0).retain(|view| view.looked.elapsed() < PATIENCE);
-    }
-}
-
-impl Shared {
-    /// Reads a job's merged state, once there is something in it, wherever it is.
-    pub(super) async fn with_merged<T: Send + 'static>(
-        self: &Arc<Self>,
-        job: &Arc<JobRecord>,
-        read: impl FnOnce(&Merging) -> T + Send + 'static,
-    ) -> Result<T, FarmError> {
-        let no_picture = || FarmError::NoPictureYet(job.id);
-        let record = job.clone();
-        // One look under the lock decides where it is: the keeper may take it to the store at any time.
-        let in_memory = blocking(move || {
-            let merging = lock(&record.merging);
-            Ok(match merging.as_ref() {
-                Some(merging) if merging.merged() == 0 => InMemory::Empty,
-                Some(merging) => InMemory::Read(read(merging)),
-                None => InMemory::Elsewhere(read),
-            })
-        });
-        let read = match in_memory.await? {
-            InMemory::Read(found) => return Ok(found),
-            InMemory::Empty => return Err(no_picture()),
-            InMemory::Elsewhere(read) => read,
-        };
-        let merging = self.stored_state(job).await?.ok_or_else(no_picture)?;
-        blocking(move || Ok(read(&merging))).await
-    }
-
-    /// The final state of an ended job.
-    async fn stored_state(&self, job: &JobRecord) -> Result<Option<Arc<Merging>>, FarmError> {
-        if let Some(merging) = self.viewed.get(job.id) {
-            return Ok(Some(merging));
-        }
-        let newest = lock(&job.facts).snapshots.newest.clone();
-        let Some(newest) = newest else { return Ok(None) };
-        let merging = Arc::new(self.load(job, &newest).await?);
-        self.viewed.insert_shared(job.id, merging.clone());
-        Ok(Some(merging).filter(|merging| merging.totals().shards > 0))
     }
 }

@@ -13,9 +13,9 @@ use hyper_util::rt::{TokioExecutor, TokioTimer};
 use prost::Message;
 use tokio::time::{Instant, timeout};
 
-use super::WorkerError;
 use super::dial::Dialer;
-use crate::farm::EVENTS;
+use super::error::WorkerError;
+use crate::farm::events::EVENTS;
 use crate::farm::locks::lock;
 
 /// For scenes, radius fields and results.

@@ -3,6 +3,7 @@
 mod cache;
 mod client;
 pub mod dial;
+mod error;
 mod pool;
 mod session;
 
@@ -13,13 +14,14 @@ use prost::Message;
 use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
 
-use crate::farm::EVENTS;
+use crate::farm::events::EVENTS;
 use crate::farm::ids::WorkerId;
 use crate::farm::prepared_scenes::PreparedScenes;
 use crate::farm::wire;
 use crate::farm::wire::messages::{RegisterRequest, RegisterResponse};
 use client::{Backoff, CallError, Client};
 use dial::Dialer;
+pub use error::WorkerError;
 use pool::RenderPool;
 use session::{MESSAGE_TIMEOUT, Session, SessionEnd};
 
@@ -39,25 +41,6 @@ pub struct WorkerOptions {
     pub scenes: PreparedScenes,
     /// How it reaches the coordinator.
     pub dialer: Dialer,
-}
-
-/// Why a worker stopped other than by being asked.
-#[derive(Debug, thiserror::Error)]
-pub enum WorkerError {
-    /// The coordinator's address is not one.
-    #[error("\"{address}\" is not an address of a coordinator ({problem}); write http://HOST:PORT")]
-    BadAddress {
-        /// As given.
-        address: String,
-        /// What is wrong with it.
-        problem: String,
-    },
-    /// The rendering threads or the HTTP client could not be made.
-    #[error("the worker cannot start: {0}")]
-    Start(String),
-    /// The coordinator does not speak to this worker, for example because their builds differ.
-    #[error("the coordinator refuses this worker: {0}")]
-    Refused(String),
 }
 
 /// Works for a coordinator until `shutdown` is cancelled. Outages are waited out, with growing pauses.

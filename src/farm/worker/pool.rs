@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use super::WorkerError;
+use super::error::WorkerError;
 use crate::farm::locks::panic_message;
 
 /// A worker's rendering threads.

@@ -20,7 +20,7 @@ use super::client::{Backoff, CallError, Client, TRANSFER_TIMEOUT};
 use super::pool::RenderPool;
 use crate::estimate::{RadiusField, Tally};
 use crate::evaluation::{PoolStopwatch, RunError};
-use crate::farm::EVENTS;
+use crate::farm::events::EVENTS;
 use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
 use crate::farm::locks::lock;
 use crate::farm::method_choice::{best_method, try_methods};

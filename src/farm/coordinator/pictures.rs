@@ -1,15 +1,12 @@
-//! Pictures with further layers. What the first surface is like follows from the scene alone: a worker looks when someone asks, once a
-//! scene, and the coordinator keeps what it saw.
+//! Pictures, also of jobs that ended long ago, with further layers. What the first surface is like follows from the scene alone: a worker looks
+//! when someone asks, once a scene, and the coordinator keeps what it saw.
 
-use std::collections::VecDeque;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::sync::watch;
 use tokio::time::timeout;
 
-use super::CoordinatorHandle;
-use super::shared::{JobRecord, Shared};
+use super::shared::{JobRecord, Shared, blocking};
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::estimate::{Estimate, Picture};
 use crate::farm::error::FarmError;
@@ -20,22 +17,27 @@ use crate::farm::merging::Merging;
 use crate::farm::rules::Event;
 use crate::render::first_surface::FirstSurface;
 
-/// Scenes whose first surfaces are kept.
-const KEPT: usize = 4;
 /// How long a request waits for a worker to look.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-impl CoordinatorHandle {
+/// A state as it was looked for in memory.
+enum InMemory<T, Read> {
+    /// What was read of it.
+    Read(T),
+    /// Nothing is merged yet.
+    Empty,
+    /// It is not in memory; nothing was read.
+    Elsewhere(Read),
+}
+
+impl Shared {
     /// The picture as merged so far, the layers asked for, and the status that belongs to all of them.
-    ///
-    /// # Errors
-    /// Layers of first surfaces need a worker that looks; without one they are [`FarmError::NotYet`].
-    pub async fn picture_with_layers(
-        &self,
+    pub(super) async fn picture_with_layers(
+        self: &Arc<Self>,
         id: JobId,
         wanted: &[Layer],
     ) -> Result<(Picture, Vec<PictureLayer>, JobStatus), FarmError> {
-        let (shared, job) = (self.shared.clone(), self.shared.job(id)?);
+        let (shared, job) = (self.clone(), self.job(id)?);
         let seen = if wanted.iter().any(|layer| is_of_first_surface(*layer)) {
             Some(shared.first_surfaces(&job).await?)
         } else {
@@ -49,41 +51,47 @@ impl CoordinatorHandle {
                 |layer: &Layer| of_estimate(*layer, &merging.estimate).or_else(|| of_first_surface(*layer, seen));
             (merging.estimate.picture(), wanted.iter().filter_map(layer).collect(), status)
         };
-        self.shared.with_merged(&job, read).await
+        self.with_merged(&job, read).await
     }
-}
 
-/// What the pixels of some scenes see first.
-#[derive(Default)]
-pub(super) struct SeenFirst {
-    scenes: Mutex<VecDeque<Seen>>,
-    arrived: watch::Sender<u64>,
-}
+    /// Reads a job's merged state, once there is something in it, wherever it is.
+    pub(super) async fn with_merged<T: Send + 'static>(
+        self: &Arc<Self>,
+        job: &Arc<JobRecord>,
+        read: impl FnOnce(&Merging) -> T + Send + 'static,
+    ) -> Result<T, FarmError> {
+        let no_picture = || FarmError::NoPictureYet(job.id);
+        let record = job.clone();
+        // One look under the lock decides where it is: the keeper may take it to the store at any time.
+        let in_memory = blocking(move || {
+            let merging = lock(&record.merging);
+            Ok(match merging.as_ref() {
+                Some(merging) if merging.merged() == 0 => InMemory::Empty,
+                Some(merging) => InMemory::Read(read(merging)),
+                None => InMemory::Elsewhere(read),
+            })
+        });
+        let read = match in_memory.await? {
+            InMemory::Read(found) => return Ok(found),
+            InMemory::Empty => return Err(no_picture()),
+            InMemory::Elsewhere(read) => read,
+        };
+        let merging = self.stored_state(job).await?.ok_or_else(no_picture)?;
+        blocking(move || Ok(read(&merging))).await
+    }
 
-struct Seen {
-    scene: String,
-    pixels: Arc<[FirstSurface]>,
-}
-
-impl SeenFirst {
-    /// Keeps what a worker saw.
-    pub(super) fn insert(&self, scene: &str, pixels: Vec<FirstSurface>) {
-        let mut scenes = lock(&self.scenes);
-        scenes.retain(|seen| seen.scene != scene);
-        scenes.push_back(Seen { scene: scene.to_owned(), pixels: pixels.into() });
-        if scenes.len() > KEPT {
-            scenes.pop_front();
+    /// The final state of an ended job.
+    async fn stored_state(&self, job: &JobRecord) -> Result<Option<Arc<Merging>>, FarmError> {
+        if let Some(merging) = self.viewed.get(job.id) {
+            return Ok(Some(merging));
         }
-        drop(scenes);
-        self.arrived.send_modify(|version| *version += 1);
+        let newest = lock(&job.facts).snapshots.newest.clone();
+        let Some(newest) = newest else { return Ok(None) };
+        let merging = Arc::new(self.load(job, &newest).await?);
+        self.viewed.insert_shared(job.id, merging.clone());
+        Ok(Some(merging).filter(|merging| merging.totals().shards > 0))
     }
 
-    fn get(&self, scene: &str) -> Option<Arc<[FirstSurface]>> {
-        lock(&self.scenes).iter().find(|seen| seen.scene == scene).map(|seen| seen.pixels.clone())
-    }
-}
-
-impl Shared {
     /// What the pixels of a job's scene see first. Lets a worker look if nobody has yet.
     async fn first_surfaces(&self, job: &JobRecord) -> Result<Arc<[FirstSurface]>, FarmError> {
         let scene = job.description().scene;
