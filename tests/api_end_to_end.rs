@@ -534,6 +534,28 @@ async fn an_upload_that_falls_silent_frees_its_place() {
     assert_eq!(farm.post("/v1/scenes", SCENE).await.status(), 201);
 }
 
+/// A web page that a user visits changes nothing, and reads nothing under a name of its own that it points here.
+#[tokio::test(flavor = "multi_thread")]
+async fn foreign_pages_are_refused() {
+    let farm = Farm::start(0).await;
+    let id = farm.submit(json!({ "passes": 1_000_000 })).await;
+    let http = http_client(Duration::from_secs(20));
+    let own = farm.base.clone();
+    let post = async |path: &str, name: &'static str, value: &str| {
+        http.post(format!("{own}{path}")).header(name, value).body("").send().await.expect("an answer")
+    };
+    let cancel = format!("/v1/jobs/{id}/cancel");
+    problem(post(&cancel, "Origin", "https://evil.example").await, 403, "foreign-origin").await;
+    problem(post(&cancel, "Sec-Fetch-Site", "cross-site").await, 403, "foreign-origin").await;
+    problem(post(&cancel, "Host", "evil.example").await, 403, "foreign-host").await;
+    assert_eq!(post("/farm/v1/register", "Origin", "https://evil.example").await.status(), 403);
+    assert_eq!(post("/farm/v1/register", "Host", "evil.example").await.status(), 403);
+    let read = http.get(format!("{own}/v1/jobs")).header("Host", "evil.example").send().await.expect("an answer");
+    problem(read, 403, "foreign-host").await;
+    assert_eq!(answer(farm.get(&format!("/v1/jobs/{id}")).await).await.1["state"], "queued");
+    assert_eq!(post(&cancel, "Origin", &own).await.status(), 200);
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn names_cannot_hold_what_changes_a_terminal() {
     let farm = Farm::start(0).await;

@@ -21,14 +21,18 @@ pub mod scenes;
 pub mod workers;
 
 use axum::Router;
-use axum::extract::DefaultBodyLimit;
+use axum::extract::{DefaultBodyLimit, Request, State};
+use axum::middleware::{Next, from_fn_with_state};
+use axum::response::Response;
 use axum::routing::get;
 use tokio_util::sync::CancellationToken;
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use crate::farm::http::visitor;
 use crate::farm::{CoordinatorHandle, Limits};
+use problem::Problem;
 
 /// What the endpoints share.
 #[derive(Clone)]
@@ -44,11 +48,18 @@ pub fn router(state: ApiState) -> Router {
     let limits = state.coordinator.limits();
     let (router, description) = described_routes(limits).split_for_parts();
     Router::new()
-        .merge(router.with_state(state))
+        .merge(router.with_state(state.clone()))
         .merge(openapi::routes(openapi::with_problems(description)))
         .route("/", get(dashboard::page))
         .fallback(problem::not_found)
         .method_not_allowed_fallback(problem::method_not_allowed)
+        .layer(from_fn_with_state(state, refuse_strangers))
+}
+
+/// Nobody's web page changes anything here, or reads it under a name that was pointed here.
+async fn refuse_strangers(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
+    visitor::check(request.method(), request.uri(), request.headers(), state.coordinator.host_names())?;
+    Ok(next.run(request).await)
 }
 
 fn described_routes(limits: &Limits) -> OpenApiRouter<ApiState> {

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::farm::FarmError;
+use crate::farm::http::visitor::Stranger;
 use crate::method::MethodError;
 use crate::scene::error::SceneError;
 
@@ -158,6 +159,16 @@ impl From<FarmError> for Problem {
                     .remedy("look at the coordinator's log")
             }
         }
+    }
+}
+
+impl From<Stranger> for Problem {
+    fn from(stranger: Stranger) -> Self {
+        let slug = match stranger {
+            Stranger::Host(_) => "foreign-host",
+            Stranger::Origin(_) => "foreign-origin",
+        };
+        Self::new(StatusCode::FORBIDDEN, slug, stranger.to_string()).remedy(stranger.remedy())
     }
 }
 

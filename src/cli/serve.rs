@@ -43,6 +43,10 @@ pub(super) struct Serve {
     /// Days after which ended jobs are deleted with their pictures, and scenes that no job refers to [default: never].
     #[arg(long, value_name = "DAYS", value_parser = clap::value_parser!(u16).range(1..))]
     keep_days: Option<u16>,
+    /// Name by which browsers, workers and programs may call this coordinator. May be repeated. Addresses, names without dots and names that
+    /// end with .local, .internal, .localhost or .home.arpa need not be given.
+    #[arg(long = "host-name", value_name = "NAME")]
+    host_names: Vec<String>,
     /// Seconds between two snapshots of a job at least.
     #[arg(long, default_value_t = 30.0, value_name = "SECONDS")]
     snapshot_interval: f64,
@@ -99,6 +103,7 @@ impl Serve {
             return Err(CliError::BadInput(text));
         }
         options.snapshot_interval = Duration::from_secs_f64(interval);
+        options.host_names.clone_from(&self.host_names);
         Ok(options)
     }
 

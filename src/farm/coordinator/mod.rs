@@ -77,6 +77,11 @@ impl CoordinatorHandle {
         &self.shared.options.limits
     }
 
+    /// Names by which it may be called beside those that are always right.
+    pub fn host_names(&self) -> &[String] {
+        &self.shared.options.host_names
+    }
+
     /// Checks and keeps a scene: XML or JSON that stands alone, or a zip archive. The same bytes again cost nothing.
     pub async fn add_scene(&self, bytes: Vec<u8>) -> Result<SceneSummary, FarmError> {
         let mut upload = self.begin_upload().await?;

@@ -18,6 +18,8 @@ pub struct CoordinatorOptions {
     pub snapshot_interval: Duration,
     /// For how long ended jobs are kept, and scenes without jobs; for ever by default.
     pub keep_ended: Option<Duration>,
+    /// Names by which browsers and workers may call it, beside addresses and names that nobody can own publicly.
+    pub host_names: Vec<String>,
     /// The prepared scenes of this process.
     pub scenes: PreparedScenes,
     /// Faults on purpose, for tests.
@@ -32,6 +34,7 @@ impl Default for CoordinatorOptions {
             check_share: 0.01,
             snapshot_interval: Duration::from_secs(30),
             keep_ended: None,
+            host_names: Vec::new(),
             scenes: PreparedScenes::new(0),
             faults: FaultHooks::default(),
         }

@@ -15,6 +15,7 @@
 mod delivery;
 mod problem;
 mod receiving;
+pub mod visitor;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -22,8 +23,9 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::body::{Body, Bytes};
-use axum::extract::{DefaultBodyLimit, Path, State};
+use axum::extract::{DefaultBodyLimit, Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
+use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use prost::Message;
@@ -62,6 +64,7 @@ pub fn router(coordinator: CoordinatorHandle) -> Router {
         .route("/scenes/{hash}", get(scene))
         .route("/jobs/{id}/radius/{epoch}/{region}", get(radius_field))
         .layer(messages)
+        .layer(from_fn_with_state(coordinator.clone(), refuse_strangers))
         .with_state(coordinator)
 }
 
@@ -71,6 +74,18 @@ fn read<M: Message + Default>(body: Bytes) -> Result<M, Problem> {
 
 fn written(message: &impl Message) -> Response {
     ([(header::CONTENT_TYPE, "application/x-protobuf")], message.encode_to_vec()).into_response()
+}
+
+/// Nobody's web page works on pictures here.
+async fn refuse_strangers(
+    State(coordinator): State<CoordinatorHandle>,
+    request: Request,
+    next: Next,
+) -> Result<Response, Problem> {
+    let names = &coordinator.shared.options.host_names;
+    visitor::check(request.method(), request.uri(), request.headers(), names)
+        .map_err(|stranger| Problem::new(StatusCode::FORBIDDEN, format!("{stranger}; {}", stranger.remedy())))?;
+    Ok(next.run(request).await)
 }
 
 async fn register(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<Response, Problem> {
