@@ -502,7 +502,7 @@ async fn jobs_are_found_by_name_tag_and_state() {
 #[tokio::test(flavor = "multi_thread")]
 async fn results_that_are_too_long_or_fall_silent_are_refused() {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
-    let limits = Limits { result_bytes: 1000, result_memory: 1000, upload_silence: 1, ..Limits::default() };
+    let limits = Limits { result_bytes: 1000, result_memory: 1000, silence: 1, ..Limits::default() };
     let farm = Farm::start_with(0, limits).await;
     let address = farm.base.trim_start_matches("http://").to_owned();
     let answered = async |head: &str| {
@@ -523,7 +523,7 @@ async fn results_that_are_too_long_or_fall_silent_are_refused() {
 #[tokio::test(flavor = "multi_thread")]
 async fn an_upload_that_falls_silent_frees_its_place() {
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
-    let farm = Farm::start_with(0, Limits { uploads: 1, upload_silence: 1, ..Limits::default() }).await;
+    let farm = Farm::start_with(0, Limits { uploads: 1, silence: 1, ..Limits::default() }).await;
     let address = farm.base.trim_start_matches("http://").to_owned();
     let mut silent = tokio::net::TcpStream::connect(&address).await.expect("a connection");
     let head = format!("POST /v1/scenes HTTP/1.1\r\nHost: {address}\r\nContent-Length: 1000\r\n\r\nabc");
@@ -554,6 +554,38 @@ async fn foreign_pages_are_refused() {
     problem(read, 403, "foreign-host").await;
     assert_eq!(answer(farm.get(&format!("/v1/jobs/{id}")).await).await.1["state"], "queued");
     assert_eq!(post(&cancel, "Origin", &own).await.status(), 200);
+}
+
+/// Connections that say nothing, or only half a request, are closed; a request behind them is answered.
+#[tokio::test(flavor = "multi_thread")]
+async fn half_open_connections_are_closed() {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let farm = Farm::start_with(0, Limits { connections: 30, silence: 1, ..Limits::default() }).await;
+    let address = farm.base.trim_start_matches("http://").to_owned();
+    let mut open = Vec::new();
+    for index in 0..60 {
+        let mut stream = tokio::net::TcpStream::connect(&address).await.expect("a connection");
+        if index % 2 == 0 {
+            stream.write_all(b"GET /healthz HTTP/1.1\r\nHost: local").await.expect("sent");
+        }
+        open.push(stream);
+    }
+    assert_eq!(farm.get("/healthz").await.status(), 200);
+    for mut stream in open {
+        let mut answer = Vec::new();
+        let closed = tokio::time::timeout(Duration::from_secs(20), stream.read_to_end(&mut answer));
+        // A reset closes it as well.
+        let _ = closed.await.expect("it is closed");
+    }
+    // A job's request that falls silent is told so.
+    let mut silent = tokio::net::TcpStream::connect(&address).await.expect("a connection");
+    let head = format!(
+        "POST /v1/jobs HTTP/1.1\r\nHost: {address}\r\nContent-Type: application/json\r\nContent-Length: 99\r\n\r\n{{"
+    );
+    silent.write_all(head.as_bytes()).await.expect("sent");
+    let mut answer = vec![0; 12];
+    silent.read_exact(&mut answer).await.expect("an answer");
+    assert_eq!(answer, b"HTTP/1.1 408");
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::farm::FarmError;
+use crate::farm::http::server::fell_silent;
 use crate::farm::http::visitor::Stranger;
 use crate::method::MethodError;
 use crate::scene::error::SceneError;
@@ -68,15 +69,14 @@ impl Problem {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-request", detail).remedy(remedy)
     }
 
-    /// A body that ends too early.
-    pub fn broken_body(problem: &axum::Error) -> Self {
-        Self::new(StatusCode::BAD_REQUEST, "broken-body", problem.to_string()).remedy("send the request again")
-    }
-
-    /// A body whose bytes stopped coming.
-    pub fn silent_body(patience: Duration) -> Self {
-        let detail = format!("no byte came for {} s", patience.as_secs());
-        Self::new(StatusCode::REQUEST_TIMEOUT, "silent-body", detail).remedy("send the request again")
+    /// A body that ends too early, or whose bytes stopped coming.
+    pub fn of_body(problem: &(dyn std::error::Error + 'static)) -> Self {
+        let (status, slug) = if fell_silent(problem) {
+            (StatusCode::REQUEST_TIMEOUT, "silent-body")
+        } else {
+            (StatusCode::BAD_REQUEST, "broken-body")
+        };
+        Self::new(status, slug, problem.to_string()).remedy("send the request again")
     }
 
     /// No job has this id.
@@ -210,7 +210,7 @@ impl From<BytesRejection> for Problem {
             return Self::new(status, "too-large", "the body has more bytes than are accepted")
                 .remedy("see limits in GET /v1/limits; upload large scenes with POST /v1/scenes");
         }
-        Self::new(status, "broken-body", rejection.body_text()).remedy("send the request again")
+        Self::of_body(&rejection)
     }
 }
 

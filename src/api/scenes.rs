@@ -1,7 +1,5 @@
 //! Scenes: upload once, refer to by hash.
 
-use std::time::Duration;
-
 use axum::Json;
 use axum::body::Body;
 use axum::extract::State;
@@ -9,7 +7,6 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::StreamExt;
 use serde::Serialize;
-use tokio::time::timeout;
 use utoipa::ToSchema;
 
 use super::ApiState;
@@ -59,13 +56,11 @@ impl From<SceneSummary> for SceneView {
 pub async fn upload_scene(State(state): State<ApiState>, body: Body) -> Result<Response, Problem> {
     let mut upload = state.coordinator.begin_upload().await?;
     let mut chunks = body.into_data_stream();
-    let patience = Duration::from_secs(state.coordinator.limits().upload_silence);
     loop {
-        let taken = match timeout(patience, chunks.next()).await {
-            Ok(None) => break,
-            Ok(Some(Ok(bytes))) => upload.write(&bytes).await.map_err(Problem::from),
-            Ok(Some(Err(problem))) => Err(Problem::broken_body(&problem)),
-            Err(_) => Err(Problem::silent_body(patience)),
+        let taken = match chunks.next().await {
+            None => break,
+            Some(Ok(bytes)) => upload.write(&bytes).await.map_err(Problem::from),
+            Some(Err(problem)) => Err(Problem::of_body(&problem)),
         };
         if let Err(problem) = taken {
             upload.abort().await?;

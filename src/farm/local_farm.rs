@@ -130,9 +130,9 @@ impl LocalFarmBuilder {
         let further = routes.map(|routes| routes(coordinator.clone(), server_shutdown.clone()));
         let protocol = Router::new().nest("/farm/v1", http::router(coordinator.clone()));
         let application = protocol.merge(further.unwrap_or_default());
-        let stopped = server_shutdown.clone().cancelled_owned();
-        let server =
-            tokio::spawn(async move { axum::serve(listener, application).with_graceful_shutdown(stopped).await });
+        let stopped = server_shutdown.clone();
+        let limits = coordinator.limits().clone();
+        let server = tokio::spawn(async move { http::server::serve(listener, application, &limits, stopped).await });
         let mut farm = LocalFarm {
             address,
             coordinator,
@@ -154,7 +154,7 @@ pub struct LocalFarm {
     address: SocketAddr,
     coordinator: CoordinatorHandle,
     scenes: PreparedScenes,
-    server: JoinHandle<std::io::Result<()>>,
+    server: JoinHandle<()>,
     server_shutdown: CancellationToken,
     workers: JoinSet<Result<(), WorkerError>>,
     workers_shutdown: CancellationToken,
@@ -211,9 +211,8 @@ impl LocalFarm {
         loop {
             tokio::select! {
                 ended = &mut self.server => return LocalFarmError::Server(match ended {
-                    Ok(Err(error)) => error.to_string(),
                     Err(error) => error.to_string(),
-                    Ok(Ok(())) => "nobody asked it to".to_owned(),
+                    Ok(()) => "nobody asked it to".to_owned(),
                 }),
                 Some(ended) = self.workers.join_next() => match ended {
                     Ok(Ok(())) => {}

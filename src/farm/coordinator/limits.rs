@@ -29,8 +29,10 @@ pub struct Limits {
     pub live_jobs: usize,
     /// Uploads at the same time.
     pub uploads: usize,
-    /// Seconds without a byte after which an upload or a result is given up.
-    pub upload_silence: u64,
+    /// Connections at the same time; further ones wait.
+    pub connections: usize,
+    /// Seconds without a request or without a byte of one after which a connection is closed.
+    pub silence: u64,
     /// Bytes of a worker's result: the tally of the largest region, or the radii of the largest picture, compressed.
     pub result_bytes: u64,
     /// Bytes of results that are received at the same time; further ones wait.
@@ -55,7 +57,8 @@ impl Default for Limits {
             tag_bytes: 100,
             live_jobs: 1000,
             uploads: 4,
-            upload_silence: 30,
+            connections: 4096,
+            silence: 30,
             result_bytes: GIB / 2,
             result_memory: GIB,
             message_bytes: 1 << 20,

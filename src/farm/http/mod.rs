@@ -15,6 +15,7 @@
 mod delivery;
 mod problem;
 mod receiving;
+pub mod server;
 pub mod visitor;
 
 use std::sync::Arc;
