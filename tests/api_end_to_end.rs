@@ -11,8 +11,11 @@ use exr_channels::exr_channels;
 use http_client::http_client;
 use photonfarm::api;
 use photonfarm::estimate::picture_files::{LAYERS, decode_exr};
+use photonfarm::farm::wire::BUILD;
+use photonfarm::farm::wire::messages::RegisterRequest;
 use photonfarm::farm::{CoordinatorOptions, Limits, LocalFarm};
 use photonfarm::method::METHODS;
+use prost::Message;
 use reqwest::header;
 use serde_json::{Value, json};
 
@@ -493,7 +496,7 @@ async fn jobs_are_found_by_name_tag_and_state() {
     assert_eq!(found("name=b").await, ("b".to_owned(), None));
     assert_eq!(found("tag=red&limit=2").await, ("ac".to_owned(), Some(ids[2].clone())));
     assert_eq!(found(&format!("tag=red&limit=2&after={}", ids[2])).await, ("d".to_owned(), None));
-    for wrong in ["states=queued", "state=asleep", "limit=0"] {
+    for wrong in ["states=queued", "state=asleep", "limit=0", "after=", "after=!!"] {
         assert_eq!(farm.get(&format!("/v1/jobs?{wrong}")).await.status(), 400, "{wrong}");
     }
 }
@@ -593,4 +596,17 @@ async fn names_cannot_hold_what_changes_a_terminal() {
     let farm = Farm::start(0).await;
     let job = json!({ "scene_inline": SCENE, "stop": { "passes": 1 }, "name": "\u{1b}[31mred" });
     problem(farm.post("/v1/jobs", job.to_string()).await, 422, "bad-request").await;
+    let long = json!({ "scene_inline": SCENE, "stop": { "seconds": 1e300 } });
+    problem(farm.post("/v1/jobs", long.to_string()).await, 422, "bad-request").await;
+    problem(farm.post("/v1/jobs", "[]").await, 400, "bad-json").await;
+    let job = json!({ "scene_inline": SCENE, "stop": { "passes": 1 }, "name": "" });
+    let (_, unnamed) = answer(farm.post("/v1/jobs", job.to_string()).await).await;
+    assert!(unnamed["name"].is_null(), "{unnamed}");
+    for (name, threads) in [("a\nb", 1), ("", 1), ("a", 0), ("a", u32::MAX)] {
+        let message =
+            RegisterRequest { name: name.to_owned(), threads, build: BUILD.to_owned(), ..RegisterRequest::default() };
+        let http = http_client(Duration::from_secs(20));
+        let register = http.post(format!("{}/farm/v1/register", farm.base)).body(message.encode_to_vec());
+        assert_eq!(register.send().await.expect("an answer").status(), 400, "{name:?} with {threads} threads");
+    }
 }

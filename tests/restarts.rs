@@ -80,6 +80,10 @@ async fn an_extended_job_has_the_bits_of_the_longer_one() {
     let (status, extended) = coordinator.post(&format!("/v1/jobs/{id}/extend"), &json!({ "passes": 150 })).await;
     assert_eq!(status, 200, "{extended}");
     assert!(coordinator.picture_when_done(&id).await == long);
+    // States that no record names any more are deleted, by the extension and with the job.
+    assert_eq!(coordinator.delete(&format!("/v1/jobs/{id}")).await, 204);
+    let left = || std::fs::read_dir(folder.path().join("blobs/snapshots").join(&id)).map(Iterator::count).unwrap_or(0);
+    assert_eq!(left(), 0, "all its states are deleted");
 }
 
 /// A coordinator that is asked to stop waits for what is traced, stores all, and goes on later.

@@ -3,6 +3,7 @@
 
 use axum::body::Bytes;
 use axum::extract::{FromRequest, FromRequestParts, Path, Query, Request};
+use axum::http::StatusCode;
 use axum::http::header::CONTENT_TYPE;
 use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
@@ -33,6 +34,11 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for JsonBody<T> {
             return Err(Problem::unsupported_media_type(media_type));
         }
         let RawBody(bytes) = RawBody::from_request(request, state).await?;
+        // Derived readers take lists for structures, too.
+        if bytes.iter().find(|byte| !byte.is_ascii_whitespace()).is_some_and(|byte| b"[\"".contains(byte)) {
+            let detail = "the body is a JSON list or text where an object is expected";
+            return Err(Problem::new(StatusCode::BAD_REQUEST, "bad-json", detail).remedy("send {\"name\": value, …}"));
+        }
         Ok(Self(serde_json::from_slice(&bytes).map_err(Problem::from)?))
     }
 }

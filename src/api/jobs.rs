@@ -13,6 +13,7 @@ use super::ApiState;
 use super::extract::{JsonBody, PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use crate::farm::FarmError;
+use crate::farm::ids::JobId;
 use crate::farm::job::{JobFilter, JobRequest, JobState, JobStatus, Priority, StopRule};
 
 /// A job to be made. Exactly one of `scene` and `scene_inline` is given.
@@ -183,6 +184,15 @@ fn submission_problem(error: FarmError) -> Problem {
     Problem { status, ..problem }
 }
 
+/// An id in a query. Its job need not be there, but it has to be one.
+#[expect(clippy::result_large_err, reason = "made at most once a request")]
+fn parse_after(text: &str) -> Result<JobId, Problem> {
+    text.parse().map_err(|_| {
+        Problem::new(StatusCode::BAD_REQUEST, "bad-query", format!("after is \"{text}\", which is no job's id"))
+            .remedy("give the next_after of the page before")
+    })
+}
+
 /// Lists jobs.
 #[utoipa::path(
     get, path = "/jobs", tag = "jobs", params(JobsQuery),
@@ -196,7 +206,7 @@ pub async fn list_jobs(
     QueryValues(query): QueryValues<JobsQuery>,
 ) -> Result<Json<JobList>, Problem> {
     let JobsQuery { state: wanted, tag, name, after, limit } = query;
-    let after = after.as_deref().map(parse_job).transpose()?;
+    let after = after.as_deref().map(parse_after).transpose()?;
     let limit = limit.map_or(usize::MAX, |limit| limit.get() as usize);
     let filter = JobFilter { state: wanted, tag, name, after };
     // One more tells whether there are more.

@@ -8,6 +8,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::exit_code::CliError;
+use super::terminal;
 use crate::api::job_control::{CloneRequest, JobPatch};
 use crate::api::jobs::{JobSubmission, JobsQuery};
 use crate::api::problem::Problem;
@@ -144,7 +145,12 @@ impl Client {
                 }
                 Err(problem) if problem.slug() == "no-picture-yet" => return Ok(None),
                 // A worker has to look at the first surfaces; large scenes take a while.
-                Err(problem) if problem.slug() == "not-yet" && waits > 0 => waits -= 1,
+                Err(problem) if problem.slug() == "not-yet" && waits > 0 => {
+                    if waits == WAITS {
+                        terminal::note(&format!("{}; waiting", problem.detail));
+                    }
+                    waits -= 1;
+                }
                 Err(problem) => return Err(problem.into()),
             }
         }

@@ -56,6 +56,14 @@ impl Progress {
         }
     }
 
+    /// Removes the bar and says how the job ended.
+    pub(super) fn finish_with(&self, status: &JobStatus) {
+        self.finish();
+        let error = status.estimated_error.map(|error| format!(", relMSE < {:.2e}", error.bound)).unwrap_or_default();
+        let (state, passes, seconds) = (status.state.name(), status.passes_done, status.seconds);
+        terminal::note(&format!("{state}: {passes} passes, {seconds:.0} s{error}"));
+    }
+
     /// Removes the bar.
     pub(super) fn finish(&self) {
         if let Some(bar) = &self.bar {

@@ -66,7 +66,8 @@ impl Serve {
         let mut farm = builder.start().await?;
         let live = farm.client().jobs().iter().filter(|job| !job.state.is_final()).count();
         if live > 0 {
-            terminal::note(&format!("{live} jobs go on from where they were stored"));
+            let jobs = if live == 1 { "1 job goes".to_owned() } else { format!("{live} jobs go") };
+            terminal::note(&format!("{jobs} on from where it was stored"));
         }
         terminal::note(&format!("photonfarm listens at http://{}", farm.address()));
         let result = tokio::select! {
@@ -80,7 +81,12 @@ impl Serve {
         let left = farm.client().jobs().iter().filter(|job| !job.state.is_final()).count();
         farm.stop().await;
         if is_durable && left > 0 {
-            terminal::note(&format!("{left} jobs are stored; start `serve` with the same --data to go on"));
+            let jobs = if left == 1 {
+                "1 job that has not ended is".to_owned()
+            } else {
+                format!("{left} jobs that have not ended are")
+            };
+            terminal::note(&format!("{jobs} stored; start `serve` with the same --data to go on"));
         }
         result
     }

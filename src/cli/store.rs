@@ -1,16 +1,12 @@
 //! `store`: looks after what a coordinator keeps.
 
 use std::path::PathBuf;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use clap::{Args, Subcommand};
 
 use super::exit_code::CliError;
 use super::store_options::StoreOptions;
 use super::terminal;
-
-/// How old a blob must be that nobody names, before it is deleted.
-const GRACE: Duration = Duration::from_secs(3600);
 
 /// Look after a coordinator's store.
 ///
@@ -54,11 +50,7 @@ impl Store {
                 }
             }
             Task::Export { file, store } => Ok(store.open_existing().await?.export(&file).await?),
-            Task::Gc { store } => {
-                let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-                let before = now.saturating_sub(GRACE).as_millis() as i64;
-                terminal::json(&store.open_existing().await?.clean_up(before).await?)
-            }
+            Task::Gc { store } => terminal::json(&store.open_existing().await?.clean_up().await?),
         }
     }
 }

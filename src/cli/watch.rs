@@ -34,7 +34,11 @@ impl Watch {
             status = client.follow(&self.id, show) => status?,
             interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
         };
-        progress.finish();
+        if self.json {
+            progress.finish()
+        } else {
+            progress.finish_with(&status)
+        }
         match status.state {
             JobState::Failed => Err(CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()))),
             JobState::Cancelled => Err(CliError::Failed(format!("job {} was cancelled", status.id))),

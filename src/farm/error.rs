@@ -11,7 +11,7 @@ use crate::scene::error::SceneError;
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum FarmError {
     /// No scene with this hash was uploaded.
-    #[error("there is no scene \"{0}\"; upload it first")]
+    #[error("there is no scene \"{0}\"")]
     UnknownScene(String),
     /// No job has this id.
     #[error("there is no job \"{0}\"")]

@@ -18,23 +18,25 @@ use crate::farm::store::jobs::Snapshots;
 impl Shared {
     /// Lets a user's event happen between two merges, so that what the answer says is what stays.
     pub(super) async fn control(self: &Arc<Self>, id: JobId, event: Event) -> Result<JobStatus, FarmError> {
-        self.control_in_turn(&self.job_in_turn(id).await?, event).await
+        let in_turn = self.job_in_turn(id).await?;
+        let status = self.happen(&in_turn, event).await?;
+        self.leave_to_keeper(Chore::Record(id));
+        self.stored_in_time().await?;
+        Ok(status)
     }
 
-    async fn control_in_turn(self: &Arc<Self>, in_turn: &JobInTurn, event: Event) -> Result<JobStatus, FarmError> {
+    /// The same, not stored yet.
+    async fn happen(self: &Arc<Self>, in_turn: &JobInTurn, event: Event) -> Result<JobStatus, FarmError> {
         let (shared, job, id) = (self.clone(), in_turn.job.clone(), in_turn.job.id);
         let is_cancel = matches!(event, Event::JobCancelled { .. });
-        let status = blocking(move || {
+        blocking(move || {
             let _merging = lock(&job.merging);
             let is_done = shared.apply(event) == Answer::Done;
             let status = shared.lock().status(&job, &shared.clock);
             // Who cancels wants it not to run, and it does not.
             if is_done || is_cancel { Ok(status) } else { Err(wrong_state(id, status.state)) }
-        });
-        let status = status.await?;
-        self.leave_to_keeper(Chore::Record(id));
-        self.stored_in_time().await?;
-        Ok(status)
+        })
+        .await
     }
 
     pub(super) async fn change_job(self: &Arc<Self>, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
@@ -75,18 +77,21 @@ impl Shared {
         // What is being stored of its end is stored first.
         self.stored_in_time().await?;
         let merging = self.state_to_extend(job, stop).await?;
-        {
+        let (old, kept) = {
             let mut facts = lock(&job.facts);
             facts.terms.stop = stop;
             facts.request.stop = stop;
             facts.ended = None;
-            let Snapshots { newest, resume, .. } = facts.snapshots.clone();
-            facts.snapshots = Snapshots { newest: resume.or(newest), ..Snapshots::default() };
-        }
+            let old = facts.snapshots.clone();
+            let newest = old.resume.clone().or_else(|| old.newest.clone());
+            facts.snapshots = Snapshots { newest, ..Snapshots::default() };
+            (old, facts.snapshots.clone())
+        };
         self.viewed.remove(id);
         self.go_on(job, Some(merging));
         self.leave_to_keeper(Chore::Record(id));
         self.stored_in_time().await?;
+        self.delete_unless_kept(&old, &kept).await?;
         Ok(self.lock().status(job, &self.clock))
     }
 
@@ -118,7 +123,7 @@ impl Shared {
         let Snapshots { newest, resume, .. } = lock(&job.facts).snapshots.clone();
         let Some(name) = resume.or(newest) else {
             let problem = format!("nothing is stored of job {}", job.id);
-            return Err(FarmError::Conflict { problem, remedy: "submit it again".to_owned() });
+            return Err(FarmError::Conflict { problem, remedy: "clone it".to_owned() });
         };
         let bytes = self.store.blobs().get(&name).await?;
         blocking(move || {
@@ -131,7 +136,8 @@ impl Shared {
     /// Deletes a job; one that runs is cancelled first.
     pub(super) async fn delete_job(self: &Arc<Self>, id: JobId) -> Result<(), FarmError> {
         let in_turn = self.job_in_turn(id).await?;
-        self.control_in_turn(&in_turn, Event::JobCancelled { job: id }).await?;
+        // That it was cancelled is not stored first: a full disk must not be in the way of deleting what fills it.
+        self.happen(&in_turn, Event::JobCancelled { job: id }).await?;
         Ok(self.erase(&in_turn.job).await?)
     }
 }
@@ -139,7 +145,13 @@ impl Shared {
 fn wrong_state(id: JobId, state: JobState) -> FarmError {
     FarmError::Conflict {
         problem: format!("job {id} is {}", state.name()),
-        remedy: "look at its state first".to_owned(),
+        remedy: match state {
+            JobState::Paused => "resume it first".to_owned(),
+            JobState::Done | JobState::Failed | JobState::Cancelled => {
+                "an ended job can be extended or cloned".to_owned()
+            }
+            _ => "wait until it has ended, or cancel it".to_owned(),
+        },
     }
 }
 

@@ -32,7 +32,8 @@ pub struct JobChanges {
 }
 
 impl Shared {
-    pub(super) async fn submit(&self, request: JobRequest) -> Result<JobId, FarmError> {
+    pub(super) async fn submit(&self, mut request: JobRequest) -> Result<JobId, FarmError> {
+        request.name = request.name.filter(|name| !name.is_empty());
         request::check_labels(&request, &self.options.limits)?;
         let _turn = self.catalogue.take().await?;
         let scene = self.scene(&request.scene)?;

@@ -278,15 +278,19 @@ impl Shared {
 
     /// Nothing of a job stays.
     pub(super) async fn erase(&self, job: &JobRecord) -> Result<(), StoreError> {
-        self.store.delete_job(job.id).await?;
+        let snapshots = lock(&job.facts).snapshots.clone();
+        match self.store.delete_job(job.id).await {
+            // A database needs room to forget: the snapshots make it.
+            Err(problem) if problem.is_full() => {
+                self.delete_unless_kept(&snapshots, &Snapshots::default()).await?;
+                self.store.delete_job(job.id).await?;
+            }
+            deleted => deleted?,
+        }
         self.apply(Event::JobErased { job: job.id });
         self.lock().jobs.remove(&job.id);
         self.viewed.remove(job.id);
-        let snapshots = lock(&job.facts).snapshots.clone();
-        for name in snapshots.all() {
-            self.store.blobs().delete(name).await?;
-        }
-        Ok(())
+        self.delete_unless_kept(&snapshots, &Snapshots::default()).await
     }
 
     /// Jobs that have not ended.

@@ -19,6 +19,8 @@ pub struct Limits {
     pub pixels: u64,
     /// Passes of a job.
     pub passes: u32,
+    /// Seconds of a job.
+    pub seconds: f64,
     /// Bytes of a name: a job's or a worker's.
     pub name_bytes: usize,
     /// Tags of a job.
@@ -52,6 +54,7 @@ impl Default for Limits {
             job_bytes: 64 << 20,
             pixels: 100_000_000,
             passes: PASSES_LIMIT,
+            seconds: 10.0 * 365.25 * 86_400.0,
             name_bytes: 200,
             tags: 20,
             tag_bytes: 100,

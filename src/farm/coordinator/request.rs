@@ -67,10 +67,10 @@ pub fn check_stop(stop: StopRule, limits: &Limits) -> Result<(), FarmError> {
             remedy: format!("give 1 to {} passes", limits.passes),
         });
     }
-    if stop.seconds.is_some_and(|seconds| !(seconds.is_finite() && seconds > 0.0)) {
+    if stop.seconds.is_some_and(|seconds| !(seconds > 0.0 && seconds <= limits.seconds)) {
         return Err(FarmError::BadRequest {
             problem: format!("stop.seconds is {}", stop.seconds.unwrap_or_default()),
-            remedy: "give a number above 0".to_owned(),
+            remedy: format!("give a number above 0, and at most {}", limits.seconds),
         });
     }
     if stop.error.is_some_and(|error| !(error.is_finite() && error > 0.0)) {

@@ -50,6 +50,11 @@ impl Shared {
             lock(&job.facts).snapshots = old;
             return Err(problem);
         }
+        self.delete_unless_kept(&old, &kept).await
+    }
+
+    /// Deletes those of the `old` snapshots that are not among the `kept` ones.
+    pub(super) async fn delete_unless_kept(&self, old: &Snapshots, kept: &Snapshots) -> Result<(), StoreError> {
         for name in old.all().filter(|name| !kept.all().any(|kept| kept == *name)) {
             self.store.blobs().delete(name).await?;
         }

@@ -40,8 +40,7 @@ use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Event};
 use crate::farm::wire::lease::{LeasedWork, ShardTerms, WorkerLease};
 use crate::farm::wire::messages::{
-    HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse,
-    ReleaseRequest, ResultRequest,
+    HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ReleaseRequest,
 };
 use crate::farm::wire::{self, WireError};
 use problem::Problem;
@@ -51,6 +50,9 @@ use receiving::ResultRoom;
 const LEASE_WAIT: Duration = Duration::from_secs(10);
 /// How often a waiting worker's turn is checked even if nothing happened: shards become overdue by time alone.
 const LEASE_CHECK: Duration = Duration::from_millis(500);
+
+/// Threads that a worker may have.
+const MOST_THREADS: u32 = 1 << 16;
 
 /// Routes for workers: register, lease, heartbeat, result, release, scenes and radius fields.
 pub fn router(coordinator: CoordinatorHandle) -> Router {
@@ -100,8 +102,11 @@ async fn register(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> 
         return Err(Problem::new(StatusCode::CONFLICT, text));
     }
     let longest = coordinator.limits().name_bytes;
-    if request.name.len() > longest || request.threads == 0 {
-        let text = format!("a worker has a name of at most {longest} bytes and at least one thread");
+    let is_name = (1..=longest).contains(&request.name.len()) && !request.name.chars().any(char::is_control);
+    if !is_name || !(1..=MOST_THREADS).contains(&request.threads) {
+        let text = format!(
+            "a worker has a name of 1 to {longest} bytes without control characters, and 1 to {MOST_THREADS} threads"
+        );
         return Err(Problem::new(StatusCode::BAD_REQUEST, text));
     }
     let shared = &coordinator.shared;
@@ -179,11 +184,10 @@ async fn result(
     body: Body,
 ) -> Result<Response, Problem> {
     let received = room.receive(&headers, body).await?;
-    let request: ResultRequest = read(received.body.clone())?;
     // The merge goes on when the worker hangs up: its result was taken.
     let shared = coordinator.shared.clone();
     let deliver = move || {
-        let response = delivery::deliver(&shared, request);
+        let response = read(received.body.clone()).and_then(|request| delivery::deliver(&shared, request));
         drop(received);
         response
     };

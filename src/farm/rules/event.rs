@@ -332,7 +332,10 @@ impl Notice {
 impl fmt::Display for Notice {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Joined { name, threads, .. } => write!(out, "worker {name} joined with {threads} threads"),
+            Self::Joined { name, threads, .. } => {
+                let plural = if *threads == 1 { "" } else { "s" };
+                write!(out, "worker {name} joined with {threads} thread{plural}")
+            }
             Self::Left { name, .. } => write!(out, "worker {name} left"),
             Self::Silent { name, leases, .. } => write!(out, "worker {name} is silent; {leases} of its leases expired"),
             Self::Forgotten { name, .. } => write!(out, "worker {name} is given up as lost"),

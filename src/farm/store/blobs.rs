@@ -64,8 +64,6 @@ pub struct BlobEntry {
     pub name: BlobName,
     /// Its size.
     pub bytes: u64,
-    /// When it was written, milliseconds since 1970.
-    pub written: i64,
 }
 
 /// All blobs. Cheap to clone.
@@ -149,8 +147,7 @@ impl Blobs {
         while let Some(entry) = found.next().await {
             let entry = entry?;
             let name = Path::from_iter(entry.location.parts().skip(skipped)).to_string();
-            let written = entry.last_modified.timestamp_millis();
-            entries.push(BlobEntry { name: BlobName(name), bytes: entry.size, written });
+            entries.push(BlobEntry { name: BlobName(name), bytes: entry.size });
         }
         entries.sort_by(|a, b| a.name.cmp(&b.name));
         Ok(entries)

@@ -53,13 +53,12 @@ impl Store {
         Ok(report)
     }
 
-    /// Deletes blobs that no record names and that were written before `before`, milliseconds since 1970: younger ones may be about to be
-    /// named.
-    pub async fn clean_up(&self, before: i64) -> Result<CleanUpReport, StoreError> {
+    /// Deletes blobs that no record names. Nobody else is about to name one: a store has one user at a time.
+    pub async fn clean_up(&self) -> Result<CleanUpReport, StoreError> {
         let named = self.named_blobs().await?;
         let mut report = CleanUpReport::default();
-        for BlobEntry { name, bytes, written } in self.blobs.list().await? {
-            if written < before && !named.contains(&name) {
+        for BlobEntry { name, bytes, .. } in self.blobs.list().await? {
+            if !named.contains(&name) {
                 self.blobs.delete(&name).await?;
                 report.blobs += 1;
                 report.bytes += bytes;

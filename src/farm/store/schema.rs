@@ -34,10 +34,15 @@ pub(super) async fn refuse_newer(records: &RecordsLocation) -> Result<(), StoreE
     let readable = sqlx::query("SELECT COUNT(*) FROM sqlite_master").execute(&pool).await;
     let found = version(&pool).await;
     pool.close().await;
-    readable.map_err(|problem| StoreError::Open {
-        place: file.display().to_string(),
-        problem: format!("it is damaged ({problem})"),
-        remedy: "restore it from a backup, or give another folder with --data".to_owned(),
+    readable.map_err(|problem| {
+        let problem = StoreError::from(problem);
+        let (what, remedy) = if problem.is_full() || problem.is_temporary() {
+            ("it cannot be read or written", "make room on its disk and look at its permissions")
+        } else {
+            ("it is damaged", "restore it from a backup, or give another folder with --data")
+        };
+        let problem = format!("{what} ({problem})");
+        StoreError::Open { place: file.display().to_string(), problem, remedy: remedy.to_owned() }
     })?;
     refuse(found?)
 }
