@@ -18,6 +18,8 @@ use photonfarm::method::METHODS;
 use prost::Message;
 use reqwest::header;
 use serde_json::{Value, json};
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tokio::net::TcpStream;
 
 const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
 const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth";
@@ -30,6 +32,17 @@ struct Farm {
 }
 
 impl Farm {
+    /// The beginning of the answer to a POST whose body does not come whole.
+    async fn status_of_unfinished(&self, path: &str, headers: &str, body: &str) -> String {
+        let address = self.base.trim_start_matches("http://");
+        let mut stream = TcpStream::connect(address).await.expect("a connection");
+        let request = format!("POST {path} HTTP/1.1\r\nHost: {address}\r\n{headers}\r\n\r\n{body}");
+        stream.write_all(request.as_bytes()).await.expect("sent");
+        let mut answer = vec![0; "HTTP/1.1 200".len()];
+        stream.read_exact(&mut answer).await.expect("an answer");
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
     async fn start(workers: usize) -> Self {
         Self::start_with(workers, Limits::default()).await
     }
@@ -504,18 +517,9 @@ async fn jobs_are_found_by_name_tag_and_state() {
 /// A worker's result has a length that is looked at before a byte of it is kept, and does not fall silent.
 #[tokio::test(flavor = "multi_thread")]
 async fn results_that_are_too_long_or_fall_silent_are_refused() {
-    use tokio::io::{AsyncReadExt, AsyncWriteExt};
     let limits = Limits { result_bytes: 1000, result_memory: 1000, silence: 1, ..Limits::default() };
     let farm = Farm::start_with(0, limits).await;
-    let address = farm.base.trim_start_matches("http://").to_owned();
-    let answered = async |head: &str| {
-        let mut stream = tokio::net::TcpStream::connect(&address).await.expect("a connection");
-        let head = format!("POST /farm/v1/result HTTP/1.1\r\nHost: {address}\r\n{head}\r\n\r\nabc");
-        stream.write_all(head.as_bytes()).await.expect("sent");
-        let mut answer = vec![0; 12];
-        stream.read_exact(&mut answer).await.expect("an answer");
-        String::from_utf8_lossy(&answer).into_owned()
-    };
+    let answered = async |head: &str| farm.status_of_unfinished("/farm/v1/result", head, "abc").await;
     assert_eq!(answered("Content-Length: 1001").await, "HTTP/1.1 413");
     assert_eq!(answered("Transfer-Encoding: chunked").await, "HTTP/1.1 411");
     // The silent one holds all the place that there is; the next waits for it.
@@ -525,15 +529,8 @@ async fn results_that_are_too_long_or_fall_silent_are_refused() {
 
 #[tokio::test(flavor = "multi_thread")]
 async fn an_upload_that_falls_silent_frees_its_place() {
-    use tokio::io::{AsyncReadExt, AsyncWriteExt};
     let farm = Farm::start_with(0, Limits { uploads: 1, silence: 1, ..Limits::default() }).await;
-    let address = farm.base.trim_start_matches("http://").to_owned();
-    let mut silent = tokio::net::TcpStream::connect(&address).await.expect("a connection");
-    let head = format!("POST /v1/scenes HTTP/1.1\r\nHost: {address}\r\nContent-Length: 1000\r\n\r\nabc");
-    silent.write_all(head.as_bytes()).await.expect("sent");
-    let mut answer = vec![0; 12];
-    silent.read_exact(&mut answer).await.expect("an answer");
-    assert_eq!(answer, b"HTTP/1.1 408");
+    assert_eq!(farm.status_of_unfinished("/v1/scenes", "Content-Length: 1000", "abc").await, "HTTP/1.1 408");
     assert_eq!(farm.post("/v1/scenes", SCENE).await.status(), 201);
 }
 
@@ -542,8 +539,7 @@ async fn an_upload_that_falls_silent_frees_its_place() {
 async fn foreign_pages_are_refused() {
     let farm = Farm::start(0).await;
     let id = farm.submit(json!({ "passes": 1_000_000 })).await;
-    let http = http_client(Duration::from_secs(20));
-    let own = farm.base.clone();
+    let (http, own) = (&farm.http, &farm.base);
     let post = async |path: &str, name: &'static str, value: &str| {
         http.post(format!("{own}{path}")).header(name, value).body("").send().await.expect("an answer")
     };
@@ -556,18 +552,17 @@ async fn foreign_pages_are_refused() {
     let read = http.get(format!("{own}/v1/jobs")).header("Host", "evil.example").send().await.expect("an answer");
     problem(read, 403, "foreign-host").await;
     assert_eq!(answer(farm.get(&format!("/v1/jobs/{id}")).await).await.1["state"], "queued");
-    assert_eq!(post(&cancel, "Origin", &own).await.status(), 200);
+    assert_eq!(post(&cancel, "Origin", own).await.status(), 200);
 }
 
 /// Connections that say nothing, or only half a request, are closed; a request behind them is answered.
 #[tokio::test(flavor = "multi_thread")]
 async fn half_open_connections_are_closed() {
-    use tokio::io::{AsyncReadExt, AsyncWriteExt};
     let farm = Farm::start_with(0, Limits { connections: 30, silence: 1, ..Limits::default() }).await;
     let address = farm.base.trim_start_matches("http://").to_owned();
     let mut open = Vec::new();
     for index in 0..60 {
-        let mut stream = tokio::net::TcpStream::connect(&address).await.expect("a connection");
+        let mut stream = TcpStream::connect(&address).await.expect("a connection");
         if index % 2 == 0 {
             stream.write_all(b"GET /healthz HTTP/1.1\r\nHost: local").await.expect("sent");
         }
@@ -581,14 +576,8 @@ async fn half_open_connections_are_closed() {
         let _ = closed.await.expect("it is closed");
     }
     // A job's request that falls silent is told so.
-    let mut silent = tokio::net::TcpStream::connect(&address).await.expect("a connection");
-    let head = format!(
-        "POST /v1/jobs HTTP/1.1\r\nHost: {address}\r\nContent-Type: application/json\r\nContent-Length: 99\r\n\r\n{{"
-    );
-    silent.write_all(head.as_bytes()).await.expect("sent");
-    let mut answer = vec![0; 12];
-    silent.read_exact(&mut answer).await.expect("an answer");
-    assert_eq!(answer, b"HTTP/1.1 408");
+    let head = "Content-Type: application/json\r\nContent-Length: 99";
+    assert_eq!(farm.status_of_unfinished("/v1/jobs", head, "{").await, "HTTP/1.1 408");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -605,8 +594,7 @@ async fn names_cannot_hold_what_changes_a_terminal() {
     for (name, threads) in [("a\nb", 1), ("", 1), ("a", 0), ("a", u32::MAX)] {
         let message =
             RegisterRequest { name: name.to_owned(), threads, build: BUILD.to_owned(), ..RegisterRequest::default() };
-        let http = http_client(Duration::from_secs(20));
-        let register = http.post(format!("{}/farm/v1/register", farm.base)).body(message.encode_to_vec());
+        let register = farm.http.post(format!("{}/farm/v1/register", farm.base)).body(message.encode_to_vec());
         assert_eq!(register.send().await.expect("an answer").status(), 400, "{name:?} with {threads} threads");
     }
 }

@@ -59,7 +59,7 @@ impl Progress {
     /// Removes the bar and says how the job ended.
     pub(super) fn finish_with(&self, status: &JobStatus) {
         self.finish();
-        let error = status.estimated_error.map(|error| format!(", relMSE < {:.2e}", error.bound)).unwrap_or_default();
+        let error = error_bound(status);
         let (state, passes, seconds) = (status.state.name(), status.passes_done, status.seconds);
         terminal::note(&format!("{state}: {passes} passes, {seconds:.0} s{error}"));
     }
@@ -104,8 +104,13 @@ fn description(status: &JobStatus) -> String {
     }
     let total = status.passes_total.map(|total| format!(" of {total}")).unwrap_or_default();
     let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
-    let error = status.estimated_error.map(|error| format!(", relMSE < {:.2e}", error.bound)).unwrap_or_default();
+    let error = error_bound(status);
     format!("{}{total} passes, {}, {:.0} s{left}{error}", status.passes_done, rate(status), status.seconds)
+}
+
+/// The bound of the estimated error, with a comma before it; nothing while none is known.
+fn error_bound(status: &JobStatus) -> String {
+    status.estimated_error.map(|error| format!(", relMSE < {:.2e}", error.bound)).unwrap_or_default()
 }
 
 /// Hours, minutes and seconds of a time, in UTC.

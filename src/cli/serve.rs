@@ -66,8 +66,8 @@ impl Serve {
         let mut farm = builder.start().await?;
         let live = farm.client().jobs().iter().filter(|job| !job.state.is_final()).count();
         if live > 0 {
-            let jobs = if live == 1 { "1 job goes".to_owned() } else { format!("{live} jobs go") };
-            terminal::note(&format!("{jobs} on from where it was stored"));
+            let (jobs, they) = if live == 1 { ("job goes", "it was") } else { ("jobs go", "they were") };
+            terminal::note(&format!("{live} {jobs} on from where {they} stored"));
         }
         terminal::note(&format!("photonfarm listens at http://{}", farm.address()));
         let result = tokio::select! {

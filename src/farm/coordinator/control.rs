@@ -138,6 +138,10 @@ impl Shared {
         let in_turn = self.job_in_turn(id).await?;
         // That it was cancelled is not stored first: a full disk must not be in the way of deleting what fills it.
         self.happen(&in_turn, Event::JobCancelled { job: id }).await?;
+        // Its last state may be on its way to the store. One that takes nothing is not waited for any longer.
+        if let Err(problem) = self.stored_in_time().await {
+            tracing::debug!(job = %id, %problem, "a job is deleted while the store does not work");
+        }
         Ok(self.erase(&in_turn.job).await?)
     }
 }
@@ -147,9 +151,7 @@ fn wrong_state(id: JobId, state: JobState) -> FarmError {
         problem: format!("job {id} is {}", state.name()),
         remedy: match state {
             JobState::Paused => "resume it first".to_owned(),
-            JobState::Done | JobState::Failed | JobState::Cancelled => {
-                "an ended job can be extended or cloned".to_owned()
-            }
+            state if state.is_final() => "an ended job can be extended or cloned".to_owned(),
             _ => "wait until it has ended, or cancel it".to_owned(),
         },
     }

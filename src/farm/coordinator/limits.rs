@@ -35,6 +35,8 @@ pub struct Limits {
     pub connections: usize,
     /// Seconds without a request or without a byte of one after which a connection is closed.
     pub silence: u64,
+    /// Threads of a worker.
+    pub worker_threads: u32,
     /// Bytes of a worker's result: the tally of the largest region, or the radii of the largest picture, compressed.
     pub result_bytes: u64,
     /// Bytes of results that are received at the same time; further ones wait.
@@ -62,6 +64,7 @@ impl Default for Limits {
             uploads: 4,
             connections: 4096,
             silence: 30,
+            worker_threads: 1 << 16,
             result_bytes: GIB / 2,
             result_memory: GIB,
             message_bytes: 1 << 20,

@@ -133,8 +133,7 @@ impl CoordinatorHandle {
 
     /// All jobs, oldest first.
     pub fn jobs(&self) -> Vec<JobStatus> {
-        let state = self.shared.lock();
-        state.jobs.values().map(|job| state.status(job, &self.shared.clock)).collect()
+        self.find_jobs(&JobFilter::default(), usize::MAX)
     }
 
     /// The first `limit` of the jobs that are meant, oldest first.

@@ -32,7 +32,7 @@ use axum::routing::{get, post};
 use prost::Message;
 use tokio::time::{Instant, timeout_at};
 
-use crate::farm::coordinator::{CoordinatorHandle, Shared, blocking};
+use crate::farm::coordinator::{CoordinatorHandle, Limits, Shared, blocking};
 use crate::farm::error::FarmError;
 use crate::farm::ids::{JobId, LeaseId, WorkerId};
 use crate::farm::locks::lock;
@@ -50,9 +50,6 @@ use receiving::ResultRoom;
 const LEASE_WAIT: Duration = Duration::from_secs(10);
 /// How often a waiting worker's turn is checked even if nothing happened: shards become overdue by time alone.
 const LEASE_CHECK: Duration = Duration::from_millis(500);
-
-/// Threads that a worker may have.
-const MOST_THREADS: u32 = 1 << 16;
 
 /// Routes for workers: register, lease, heartbeat, result, release, scenes and radius fields.
 pub fn router(coordinator: CoordinatorHandle) -> Router {
@@ -101,12 +98,11 @@ async fn register(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> 
         );
         return Err(Problem::new(StatusCode::CONFLICT, text));
     }
-    let longest = coordinator.limits().name_bytes;
+    let Limits { name_bytes: longest, worker_threads: most, .. } = *coordinator.limits();
     let is_name = (1..=longest).contains(&request.name.len()) && !request.name.chars().any(char::is_control);
-    if !is_name || !(1..=MOST_THREADS).contains(&request.threads) {
-        let text = format!(
-            "a worker has a name of 1 to {longest} bytes without control characters, and 1 to {MOST_THREADS} threads"
-        );
+    if !is_name || !(1..=most).contains(&request.threads) {
+        let text =
+            format!("a worker has a name of 1 to {longest} bytes without control characters, and 1 to {most} threads");
         return Err(Problem::new(StatusCode::BAD_REQUEST, text));
     }
     let shared = &coordinator.shared;
