@@ -20,7 +20,7 @@ use photonfarm::farm::wire::BUILD;
 use photonfarm::farm::wire::lease::{LeasedWork, WorkerLease, decode_lease};
 use photonfarm::farm::wire::messages::result_request::Outcome;
 use photonfarm::farm::wire::messages::{
-    HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ResultRequest,
+    HeartbeatRequest, HeartbeatResponse, LeaseResponse, RegisterRequest, RegisterResponse, ResultRequest,
     ResultResponse,
 };
 use photonfarm::farm::wire::result::{encode_pilot, encode_tally};
@@ -45,42 +45,53 @@ type Latencies = Arc<Mutex<BTreeMap<&'static str, Vec<f64>>>>;
 struct Client {
     http: reqwest::Client,
     base: String,
+    secret: String,
     scene: Arc<Scene>,
     latencies: Latencies,
 }
 
 impl Client {
     async fn post<A: Message + Default>(&self, path: &'static str, message: &impl Message) -> Fallible<A> {
+        self.post_to(path, path, message).await
+    }
+
+    async fn post_to<A: Message + Default>(
+        &self,
+        name: &'static str,
+        path: &str,
+        message: &impl Message,
+    ) -> Fallible<A> {
         let start = Instant::now();
-        let response = self.http.post(format!("{}/{path}", self.base)).body(message.encode_to_vec()).send().await?;
+        let request = self.http.post(format!("{}/{path}", self.base)).bearer_auth(&self.secret);
+        let response = request.body(message.encode_to_vec()).send().await?;
         let status = response.status();
         let body = response.bytes().await?;
         if !status.is_success() {
             return Err(format!("{path}: {status}").into());
         }
         let mut latencies = self.latencies.lock().map_err(|problem| problem.to_string())?;
-        latencies.entry(path).or_default().push(start.elapsed().as_secs_f64());
+        latencies.entry(name).or_default().push(start.elapsed().as_secs_f64());
         Ok(A::decode(body)?)
     }
 
     /// One simulated worker, until it is dropped.
-    async fn work(self, index: usize) -> Fallible<()> {
+    async fn work(mut self, index: usize) -> Fallible<()> {
         let name = format!("simulated-{index}");
         let request = RegisterRequest { name, threads: 1, build: BUILD.into(), features: String::new() };
-        let worker = self.post::<RegisterResponse>("register", &request).await?.worker;
+        self.secret = self.post::<RegisterResponse>("register", &request).await?.secret;
         let held: Arc<Mutex<Vec<u64>>> = Arc::default();
-        let beating = self.clone().beat(worker, held.clone());
+        let beating = self.clone().beat(held.clone());
         let working = async {
             loop {
-                let Some(lease) = self.post::<LeaseResponse>("lease", &LeaseRequest { worker }).await?.lease else {
+                let Some(lease) = self.post::<LeaseResponse>("lease", &()).await?.lease else {
                     continue;
                 };
                 held.lock().map_err(|problem| problem.to_string())?.push(lease.id);
                 let (id, fencing) = (lease.id, lease.fencing);
                 let outcome = Some(self.outcome(decode_lease(lease)?)?);
                 sleep(SHARD).await;
-                let request = ResultRequest { worker, lease: id, fencing, outcome };
-                self.post::<ResultResponse>("result", &request).await?;
+                let path = format!("leases/{id}/{fencing}/result");
+                self.post_to::<ResultResponse>("result", &path, &ResultRequest { outcome }).await?;
                 held.lock().map_err(|problem| problem.to_string())?.retain(|held| *held != id);
             }
         };
@@ -90,11 +101,11 @@ impl Client {
         }
     }
 
-    async fn beat(self, worker: u64, held: Arc<Mutex<Vec<u64>>>) -> Fallible<()> {
+    async fn beat(self, held: Arc<Mutex<Vec<u64>>>) -> Fallible<()> {
         loop {
             sleep(HEARTBEAT).await;
             let leases = held.lock().map_err(|problem| problem.to_string())?.clone();
-            self.post::<HeartbeatResponse>("heartbeat", &HeartbeatRequest { worker, leases }).await?;
+            self.post::<HeartbeatResponse>("heartbeat", &HeartbeatRequest { leases }).await?;
         }
     }
 
@@ -146,6 +157,7 @@ async fn main() -> Fallible<()> {
     let client = Client {
         http: reqwest::Client::builder().no_proxy().build()?,
         base: format!("{}/farm/v1", farm.url()),
+        secret: String::new(),
         scene: Arc::new(prepare_scene(&bytes)?),
         latencies: Latencies::default(),
     };

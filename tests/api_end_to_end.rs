@@ -391,9 +391,15 @@ async fn the_description_names_every_address() {
         "/v1/jobs/{id}/resume",
         "/v1/journal",
         "/v1/limits",
+        "/v1/me",
         "/v1/methods",
         "/v1/scenes",
         "/v1/scenes/{hash}",
+        "/v1/session",
+        "/v1/tokens",
+        "/v1/tokens/{id}",
+        "/v1/users",
+        "/v1/users/{name}",
         "/v1/workers",
         "/version",
     ];
@@ -514,19 +520,6 @@ async fn jobs_are_found_by_name_tag_and_state() {
     }
 }
 
-/// A worker's result has a length that is looked at before a byte of it is kept, and does not fall silent.
-#[tokio::test(flavor = "multi_thread")]
-async fn results_that_are_too_long_or_fall_silent_are_refused() {
-    let limits = Limits { result_bytes: 1000, result_memory: 1000, silence: 1, ..Limits::default() };
-    let farm = Farm::start_with(0, limits).await;
-    let answered = async |head: &str| farm.status_of_unfinished("/farm/v1/result", head, "abc").await;
-    assert_eq!(answered("Content-Length: 1001").await, "HTTP/1.1 413");
-    assert_eq!(answered("Transfer-Encoding: chunked").await, "HTTP/1.1 411");
-    // The silent one holds all the place that there is; the next waits for it.
-    let (silent, next) = tokio::join!(answered("Content-Length: 1000"), answered("Content-Length: 900"));
-    assert_eq!((silent.as_str(), next.as_str()), ("HTTP/1.1 408", "HTTP/1.1 408"));
-}
-
 #[tokio::test(flavor = "multi_thread")]
 async fn an_upload_that_falls_silent_frees_its_place() {
     let farm = Farm::start_with(0, Limits { uploads: 1, silence: 1, ..Limits::default() }).await;
@@ -597,4 +590,21 @@ async fn names_cannot_hold_what_changes_a_terminal() {
         let register = farm.http.post(format!("{}/farm/v1/register", farm.base)).body(message.encode_to_vec());
         assert_eq!(register.send().await.expect("an answer").status(), 400, "{name:?} with {threads} threads");
     }
+}
+
+/// The page runs nothing but its own script, and what is private is kept by nobody.
+#[tokio::test(flavor = "multi_thread")]
+async fn browsers_are_told_what_not_to_do() {
+    let farm = Farm::start(0).await;
+    for path in ["/", "/page.js", "/v1/jobs", "/v1/jobs/unknown", "/nowhere"] {
+        let answer = farm.get(path).await;
+        let header = |name: &str| answer.headers().get(name).and_then(|value| value.to_str().ok()).unwrap_or_default();
+        let policy = header("content-security-policy");
+        assert!(policy.contains("default-src 'none'") && policy.contains("frame-ancestors 'none'"), "{path}: {policy}");
+        assert!(!policy.contains("unsafe"), "{path}: {policy}");
+        assert_eq!(header("x-content-type-options"), "nosniff", "{path}");
+        assert_eq!(header("cache-control"), "no-store", "{path}");
+    }
+    let page = farm.get("/").await.text().await.expect("a page");
+    assert!(!page.contains("<style") && !page.contains("onclick=") && !page.contains("<script>"), "{page}");
 }

@@ -3,6 +3,8 @@
 
 #[path = "support/fault_proxy.rs"]
 mod fault_proxy;
+#[path = "support/hand.rs"]
+mod hand;
 #[path = "support/http_client.rs"]
 mod http_client;
 
@@ -11,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use fault_proxy::FaultProxy;
-use http_client::http_client;
+use hand::Hand;
 use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::picture_files::LAYERS;
 use photonfarm::estimate::{Declaration, RadiusRule, Shard, Tally};
@@ -20,16 +22,13 @@ use photonfarm::farm::job::{JobRequest, JobState, JobStatus, StopRule};
 use photonfarm::farm::prepared_scenes::PreparedScenes;
 use photonfarm::farm::wire::BUILD;
 use photonfarm::farm::wire::lease::{LeasedWork, decode_lease};
+use photonfarm::farm::wire::messages;
 use photonfarm::farm::wire::messages::result_request::Outcome;
-use photonfarm::farm::wire::messages::{
-    self, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ResultRequest,
-};
 use photonfarm::farm::wire::result::encode_tally;
 use photonfarm::farm::worker::dial::Dialer;
 use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, LocalFarm};
 use photonfarm::method::METHODS;
-use prost::Message;
 use serde_json::json;
 use tokio::task::JoinHandle;
 use tokio::time::{sleep, timeout};
@@ -131,7 +130,8 @@ fn start_worker(
 ) -> (CancellationToken, JoinHandle<Result<(), WorkerError>>) {
     let stop = CancellationToken::new();
     let scenes = PreparedScenes::new(1);
-    let options = WorkerOptions { coordinator, name: name.to_owned(), threads, scenes, dialer: Dialer::tcp() };
+    let options =
+        WorkerOptions { coordinator, name: name.to_owned(), threads, token: None, scenes, dialer: Dialer::tcp(None) };
     (stop.clone(), tokio::spawn(run_worker(options, stop)))
 }
 
@@ -256,42 +256,6 @@ async fn a_cancelled_job_keeps_its_picture_and_frees_the_farm() {
     assert_eq!(farm.end(id).await.state, JobState::Cancelled);
 }
 
-/// A worker made by hand, to send what a real one would not.
-struct Hand {
-    http: reqwest::Client,
-    base: String,
-    id: u64,
-}
-
-impl Hand {
-    async fn register(farm: &Farm, build: &str) -> Result<Self, reqwest::StatusCode> {
-        let mut hand =
-            Self { http: http_client(Duration::from_secs(120)), base: format!("{}/farm/v1", farm.url()), id: 0 };
-        let request = RegisterRequest { name: "hand".into(), threads: 1, build: build.into(), features: String::new() };
-        let (status, body) = hand.post("register", request.encode_to_vec()).await;
-        if !status.is_success() {
-            return Err(status);
-        }
-        hand.id = RegisterResponse::decode(&body[..]).expect("a message").worker;
-        Ok(hand)
-    }
-
-    async fn post(&self, path: &str, body: Vec<u8>) -> (reqwest::StatusCode, Vec<u8>) {
-        let response = self.http.post(format!("{}/{path}", self.base)).body(body).send().await.expect("an answer");
-        (response.status(), response.bytes().await.expect("a body").to_vec())
-    }
-
-    async fn lease(&self) -> messages::Lease {
-        let (_, body) = self.post("lease", LeaseRequest { worker: self.id }.encode_to_vec()).await;
-        LeaseResponse::decode(&body[..]).expect("a message").lease.expect("work")
-    }
-
-    async fn deliver(&self, lease: &messages::Lease, outcome: Option<Outcome>) -> u16 {
-        let request = ResultRequest { worker: self.id, lease: lease.id, fencing: lease.fencing, outcome };
-        self.post("result", request.encode_to_vec()).await.0.as_u16()
-    }
-}
-
 /// The shard of a lease, when it is not the pilot's.
 fn shard(lease: &messages::Lease) -> Option<Shard> {
     match decode_lease(lease.clone()).expect("a good lease").work {
@@ -303,12 +267,14 @@ fn shard(lease: &messages::Lease) -> Option<Shard> {
 #[tokio::test(flavor = "multi_thread")]
 async fn a_hostile_worker_disturbs_nobody() {
     let farm = Farm::start(Duration::from_secs(1)).await;
-    assert_eq!(Hand::register(&farm, "another build").await.err().map(|status| status.as_u16()), Some(409));
-    let hand = Hand::register(&farm, BUILD).await.expect("a place");
+    assert_eq!(Hand::register(&farm.url(), None, "another build").await.err(), Some(409));
+    let hand = Hand::register(&farm.url(), None, BUILD).await.expect("a place");
     let id = farm.submit("statistics", passes(75)).await;
 
     let pilot = hand.lease().await;
-    assert_eq!(hand.post("result", vec![0xff; 50]).await.0, 400);
+    assert_eq!(hand.send(&pilot, vec![0xff; 50]).await, 400);
+    let other_hand = Hand::register(&farm.url(), None, BUILD).await.expect("a place");
+    assert_eq!(other_hand.deliver(&pilot, None).await, 409, "the lease is somebody else's");
     assert_eq!(hand.deliver(&pilot, None).await, 422);
     farm.work_beyond(id, 0, "honest").await;
 
@@ -334,7 +300,7 @@ async fn a_lie_is_taken_out_of_the_picture() {
     let id = farm.submit("statistics", passes(75)).await;
     farm.work_beyond(id, 0, "first").await;
 
-    let hand = Hand::register(&farm, BUILD).await.expect("a place");
+    let hand = Hand::register(&farm.url(), None, BUILD).await.expect("a place");
     let lease = hand.lease().await;
     let declaration = Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0));
     let mut tally = Tally::zero(shard(&lease).expect("a shard"), 40, &declaration);

@@ -143,6 +143,7 @@ async fn run_simulated_worker(name: String) -> turmoil::Result {
         coordinator: format!("http://{COORDINATOR}"),
         name,
         threads: 1,
+        token: None,
         scenes: PreparedScenes::new(1),
         dialer: Dialer::new(|_| TcpStream::connect((COORDINATOR, PORT))),
     };

@@ -3,6 +3,10 @@
 
 use std::path::Path;
 
+use photonfarm::farm::access::scope::{Role, Scope};
+use photonfarm::farm::access::secret::SecretHash;
+use photonfarm::farm::access::token::Token;
+use photonfarm::farm::access::user::{User, UserName};
 use photonfarm::farm::ids::JobId;
 use photonfarm::farm::job::JobState;
 use photonfarm::farm::store::jobs::{JobRow, Snapshots};
@@ -51,6 +55,12 @@ fn job(id: JobId, scene: &str) -> JobRow {
 }
 
 async fn empty(store: &Store) {
+    for user in store.users().await.expect("users") {
+        store.delete_user(&user.name).await.expect("deleted");
+    }
+    for token in store.valid_tokens(0).await.expect("tokens") {
+        store.delete_token(&token.hash).await.expect("deleted");
+    }
     for row in store.job_rows().await.expect("rows") {
         store.delete_job(row.id).await.expect("deleted");
     }
@@ -233,6 +243,52 @@ async fn a_check_finds_what_is_missing_and_a_clean_up_what_is_too_much() {
     assert!(lines.contains(&id.to_string()), "{lines}");
 }
 
+/// Tokens end with their user, with the token that they came from, and at their time.
+#[tokio::test]
+async fn users_and_tokens_are_kept_and_end() {
+    let _turn = ONE_AT_A_TIME.lock().await;
+    let folder = tempfile::tempdir().expect("a folder");
+    for location in locations(folder.path()) {
+        let store = Store::open(&location).await.expect("a store");
+        empty(&store).await;
+        let name: UserName = "anna".parse().expect("a name");
+        let user = User { name: name.clone(), role: Role::Artist, created: 5 };
+        store.put_user(&user).await.expect("stored");
+        store.put_user(&User { role: Role::Admin, created: 9, ..user.clone() }).await.expect("changed");
+        assert_eq!(store.users().await.expect("users"), [User { role: Role::Admin, ..user }]);
+        let token = |text: &str, user: Option<&UserName>, expires, parent| Token {
+            hash: SecretHash::of(text),
+            user: user.cloned(),
+            label: "é".to_owned(),
+            scope: Scope::Submit,
+            created: 6,
+            expires,
+            parent,
+        };
+        let first = token("first", Some(&name), None, None);
+        let page = token("page", Some(&name), Some(100), Some(first.hash));
+        let short = token("short", Some(&name), Some(50), None);
+        let join = Token { scope: Scope::Worker, ..token("join", None, None, None) };
+        for token in [&first, &page, &short, &join] {
+            store.insert_token(token).await.expect("stored");
+        }
+        let valid = async |now| {
+            let tokens = store.valid_tokens(now).await.expect("tokens");
+            let mut labels: Vec<_> = tokens.into_iter().map(|token| (token.scope.name(), token.expires)).collect();
+            labels.sort_unstable();
+            labels
+        };
+        assert_eq!(valid(49).await.len(), 4);
+        assert_eq!(valid(50).await, [("submit", None), ("submit", Some(100)), ("worker", None)]);
+        store.delete_token(&first.hash).await.expect("deleted");
+        assert_eq!(valid(50).await, [("worker", None)], "the page was logged in with the first");
+        store.insert_token(&first).await.expect("stored again");
+        store.delete_user(&name).await.expect("deleted");
+        assert_eq!(valid(50).await, [("worker", None)], "the user's are gone");
+        store.close().await;
+    }
+}
+
 /// A program does not touch what a newer one wrote.
 #[tokio::test]
 async fn a_newer_store_is_refused_unharmed() {
@@ -261,6 +317,8 @@ async fn stores_of_earlier_versions_open() {
         std::fs::copy(&file, folder.path().join("photonfarm.sqlite")).expect("copied");
         let store = Store::open(&StoreLocation::folder(folder.path())).await.expect("it opens");
         assert_eq!(store.job_rows().await.expect("rows").len(), 1, "{}", file.display());
+        let users = if file.ends_with("version-1.sqlite") { 0 } else { 2 };
+        assert_eq!(store.users().await.expect("users").len(), users, "{}", file.display());
         versions += 1;
         assert!(store.version().await.expect("a version") >= versions);
     }

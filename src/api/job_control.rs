@@ -1,16 +1,18 @@
 //! Jobs that are there: paused, resumed, extended, copied, renamed, deleted.
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
+use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::ApiState;
 use super::extract::{JsonBody, PathValue, parse_job};
+use super::guard::OwnJob;
 use super::jobs::{JobView, accepted};
 use super::problem::Problem;
+use crate::farm::access::caller::Caller;
 use crate::farm::coordinator::JobChanges;
 use crate::farm::job::{Priority, StopRule};
 
@@ -63,11 +65,11 @@ pub struct CloneRequest {
 )]
 pub async fn change_job(
     State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
+    OwnJob(id): OwnJob,
     JsonBody(patch): JsonBody<JobPatch>,
 ) -> Result<Json<JobView>, Problem> {
     let JobPatch { name, tags, priority } = patch;
-    Ok(Json(state.coordinator.change(parse_job(&id)?, JobChanges { name, tags, priority }).await?.into()))
+    Ok(Json(state.coordinator.change(id, JobChanges { name, tags, priority }).await?.into()))
 }
 
 /// Stops issuing work of a job. What is being traced is still merged.
@@ -80,11 +82,8 @@ pub async fn change_job(
         (status = 409, description = "It pauses or has ended", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn pause_job(
-    State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
-) -> Result<Json<JobView>, Problem> {
-    Ok(Json(state.coordinator.pause(parse_job(&id)?).await?.into()))
+pub async fn pause_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
+    Ok(Json(state.coordinator.pause(id).await?.into()))
 }
 
 /// Lets a paused job go on.
@@ -97,11 +96,8 @@ pub async fn pause_job(
         (status = 409, description = "It does not pause", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn resume_job(
-    State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
-) -> Result<Json<JobView>, Problem> {
-    Ok(Json(state.coordinator.resume(parse_job(&id)?).await?.into()))
+pub async fn resume_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
+    Ok(Json(state.coordinator.resume(id).await?.into()))
 }
 
 /// Lets an ended job go on to a later end, from its stored state to the bits of the longer job.
@@ -118,13 +114,13 @@ pub async fn resume_job(
 )]
 pub async fn extend_job(
     State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
+    OwnJob(id): OwnJob,
     JsonBody(stop): JsonBody<StopRule>,
 ) -> Result<Json<JobView>, Problem> {
-    Ok(Json(state.coordinator.extend(parse_job(&id)?, stop).await?.into()))
+    Ok(Json(state.coordinator.extend(id, stop).await?.into()))
 }
 
-/// Submits a copy of a job with some differences.
+/// Submits a copy of a job, also of somebody else's, with some differences.
 #[utoipa::path(
     post, path = "/jobs/{id}/clone", tag = "jobs", request_body = CloneRequest,
     params(("id" = String, Path, description = "The job's id")),
@@ -136,6 +132,7 @@ pub async fn extend_job(
 )]
 pub async fn clone_job(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     PathValue(id): PathValue<String>,
     JsonBody(changes): JsonBody<CloneRequest>,
 ) -> Result<Response, Problem> {
@@ -150,7 +147,7 @@ pub async fn clone_job(
     request.stop = stop.unwrap_or(request.stop);
     request.seed = seed.unwrap_or(request.seed);
     request.name = name.or(request.name);
-    accepted(&state, request).await
+    accepted(&state, &caller, request).await
 }
 
 /// Deletes a job and its pictures. One that runs is cancelled first.
@@ -162,10 +159,7 @@ pub async fn clone_job(
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn delete_job(
-    State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
-) -> Result<StatusCode, Problem> {
-    state.coordinator.delete(parse_job(&id)?).await?;
+pub async fn delete_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<StatusCode, Problem> {
+    state.coordinator.delete(id).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -2,17 +2,20 @@
 
 use std::num::NonZeroU32;
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
 use super::extract::{JsonBody, PathValue, QueryValues, parse_job};
+use super::guard::OwnJob;
 use super::problem::Problem;
 use crate::farm::FarmError;
+use crate::farm::access::caller::Caller;
+use crate::farm::access::user::UserName;
 use crate::farm::ids::JobId;
 use crate::farm::job::{JobFilter, JobRequest, JobState, JobStatus, Priority, StopRule};
 
@@ -107,6 +110,10 @@ pub struct JobsQuery {
     /// Only jobs with this name.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Only jobs of this user.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[param(value_type = Option<String>)]
+    pub owner: Option<UserName>,
     /// Only jobs that were submitted after the one with this id, which need not be there any more.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
@@ -149,11 +156,12 @@ impl From<JobStatus> for JobView {
 )]
 pub async fn submit_job(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     JsonBody(submission): JsonBody<JobSubmission>,
 ) -> Result<Response, Problem> {
     let scene = match (submission.scene, submission.scene_inline) {
         (Some(hash), None) => hash,
-        (None, Some(scene)) => state.coordinator.add_scene(inline_scene_bytes(scene)?).await?.hash,
+        (None, Some(scene)) => state.coordinator.add_scene_of(inline_scene_bytes(scene)?, &caller).await?.hash,
         (found, _) => {
             let detail = if found.is_some() { "the job has two scenes" } else { "the job has no scene" };
             return Err(Problem::bad_request(detail, "give either scene (a hash) or scene_inline"));
@@ -161,7 +169,7 @@ pub async fn submit_job(
     };
     let JobSubmission { method, parameters, stop, seed, name, tags, priority, .. } = submission;
     let request = JobRequest { scene, method, parameters, stop, seed, name, tags, priority };
-    accepted(&state, request).await
+    accepted(&state, &caller, request).await
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]
@@ -205,10 +213,10 @@ pub async fn list_jobs(
     State(state): State<ApiState>,
     QueryValues(query): QueryValues<JobsQuery>,
 ) -> Result<Json<JobList>, Problem> {
-    let JobsQuery { state: wanted, tag, name, after, limit } = query;
+    let JobsQuery { state: wanted, tag, name, owner, after, limit } = query;
     let after = after.as_deref().map(parse_after).transpose()?;
     let limit = limit.map_or(usize::MAX, |limit| limit.get() as usize);
-    let filter = JobFilter { state: wanted, tag, name, after };
+    let filter = JobFilter { state: wanted, tag, name, owner, after };
     // One more tells whether there are more.
     let mut found = state.coordinator.find_jobs(&filter, limit.saturating_add(1));
     let are_more = found.len() > limit;
@@ -242,16 +250,13 @@ pub async fn show_job(
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn cancel_job(
-    State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
-) -> Result<Json<JobView>, Problem> {
-    Ok(Json(state.coordinator.cancel(parse_job(&id)?).await?.into()))
+pub async fn cancel_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
+    Ok(Json(state.coordinator.cancel(id).await?.into()))
 }
 
 /// Submits a job and says where it is.
-pub(super) async fn accepted(state: &ApiState, request: JobRequest) -> Result<Response, Problem> {
-    let id = state.coordinator.submit(request).await.map_err(submission_problem)?;
+pub(super) async fn accepted(state: &ApiState, caller: &Caller, request: JobRequest) -> Result<Response, Problem> {
+    let id = state.coordinator.submit_of(request, caller).await.map_err(submission_problem)?;
     let view = JobView::from(state.coordinator.job(id)?);
     let location = view.links.this.clone();
     Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)).into_response())

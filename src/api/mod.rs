@@ -4,27 +4,33 @@
 //! |---|---|
 //! | [`problem`] | every error answer, `application/problem+json` |
 //! | [`extract`] | path, query and body of a request, with errors as problems |
+//! | [`headers`] | what every answer tells browsers not to do |
+//! | [`guard`] | who may use which endpoint |
+//! | [`session`], [`members`] | who one is; users and tokens |
 //! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`] | the endpoints |
 //! | [`openapi`] | the description of all this, generated from the handlers |
 
 pub mod dashboard;
 pub mod events;
 pub mod extract;
+pub mod guard;
+pub mod headers;
 pub mod images;
 pub mod job_control;
 pub mod jobs;
 pub mod maps;
+pub mod members;
 pub mod methods;
 pub mod openapi;
 pub mod problem;
 pub mod scenes;
+pub mod session;
 pub mod workers;
 
 use axum::Router;
 use axum::extract::{DefaultBodyLimit, Request, State};
-use axum::middleware::{Next, from_fn_with_state};
+use axum::middleware::{Next, from_fn_with_state, map_response};
 use axum::response::Response;
-use axum::routing::get;
 use tokio_util::sync::CancellationToken;
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
@@ -46,14 +52,15 @@ pub struct ApiState {
 /// The API and the dashboard, without the workers' protocol.
 pub fn router(state: ApiState) -> Router {
     let limits = state.coordinator.limits();
-    let (router, description) = described_routes(limits).split_for_parts();
+    let (router, description) = described_routes(&state, limits).split_for_parts();
     Router::new()
         .merge(router.with_state(state.clone()))
         .merge(openapi::routes(openapi::with_problems(description)))
-        .route("/", get(dashboard::page))
+        .merge(dashboard::routes())
         .fallback(problem::not_found)
         .method_not_allowed_fallback(problem::method_not_allowed)
         .layer(from_fn_with_state(state, refuse_strangers))
+        .layer(map_response(headers::add))
 }
 
 /// Nobody's web page changes anything here, or reads it under a name that was pointed here.
@@ -62,7 +69,7 @@ async fn refuse_strangers(State(state): State<ApiState>, request: Request, next:
     Ok(next.run(request).await)
 }
 
-fn described_routes(limits: &Limits) -> OpenApiRouter<ApiState> {
+fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState> {
     let bytes = |limit: u64| DefaultBodyLimit::max(usize::try_from(limit).unwrap_or(usize::MAX));
     let uploads = OpenApiRouter::new()
         .routes(routes!(scenes::list_scenes, scenes::upload_scene))
@@ -88,9 +95,25 @@ fn described_routes(limits: &Limits) -> OpenApiRouter<ApiState> {
         .routes(routes!(methods::list_methods))
         .routes(routes!(workers::list_workers))
         .routes(routes!(workers::journal))
-        .routes(routes!(workers::limits));
+        .routes(routes!(workers::limits))
+        .route_layer(from_fn_with_state(state.clone(), guard::read_or_submit))
+        .merge(member_routes(state))
+        .routes(routes!(session::log_in, session::log_out));
     OpenApiRouter::with_openapi(openapi::Description::openapi())
         .routes(routes!(workers::health))
         .routes(routes!(workers::version))
         .nest("/v1", version_1)
+}
+
+fn member_routes(state: &ApiState) -> OpenApiRouter<ApiState> {
+    let for_users = OpenApiRouter::new()
+        .routes(routes!(session::who_am_i))
+        .routes(routes!(members::list_tokens, members::make_token))
+        .routes(routes!(members::revoke_token))
+        .route_layer(from_fn_with_state(state.clone(), guard::users));
+    let for_admins = OpenApiRouter::new()
+        .routes(routes!(members::list_users, members::add_user))
+        .routes(routes!(members::change_user, members::delete_user))
+        .route_layer(from_fn_with_state(state.clone(), guard::admins));
+    for_users.merge(for_admins)
 }

@@ -3,13 +3,14 @@
 
 use std::time::Duration;
 
-use axum::extract::rejection::{BytesRejection, PathRejection, QueryRejection};
+use axum::extract::rejection::{BytesRejection, ExtensionRejection, PathRejection, QueryRejection};
 use axum::http::{HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{IntoResponse, Response};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use crate::farm::FarmError;
+use crate::farm::access::caller::Denied;
 use crate::farm::http::server::fell_silent;
 use crate::farm::http::visitor::Stranger;
 use crate::method::MethodError;
@@ -79,6 +80,11 @@ impl Problem {
         Self::new(status, slug, problem.to_string()).remedy("send the request again")
     }
 
+    /// An endpoint that is not behind a guard, by a mistake of ours.
+    pub fn of_extension(rejection: ExtensionRejection) -> Self {
+        Self::from(FarmError::Internal(rejection.body_text()))
+    }
+
     /// No job has this id.
     pub fn unknown_job(id: &str) -> Self {
         Self::new(StatusCode::NOT_FOUND, "unknown-job", format!("there is no job \"{id}\""))
@@ -110,6 +116,9 @@ impl IntoResponse for Problem {
         let mut response = (status, axum::Json(&self)).into_response();
         let headers = response.headers_mut();
         headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("application/problem+json"));
+        if status == StatusCode::UNAUTHORIZED {
+            headers.insert(header::WWW_AUTHENTICATE, HeaderValue::from_static("Bearer"));
+        }
         if let Some(seconds) = self.retry_after {
             headers.insert(header::RETRY_AFTER, HeaderValue::from(seconds));
         }
@@ -124,6 +133,9 @@ impl From<FarmError> for Problem {
             FarmError::UnknownScene(_) => {
                 Self::new(StatusCode::NOT_FOUND, "unknown-scene", detail).remedy("upload it with POST /v1/scenes")
             }
+            FarmError::UnknownMember(_) => Self::new(StatusCode::NOT_FOUND, "unknown-member", detail)
+                .remedy("see GET /v1/users and GET /v1/tokens"),
+            FarmError::Denied(denied) => denied.into(),
             FarmError::UnknownJob(id) => Self::unknown_job(&id.to_string()),
             FarmError::BadScene(error) => Self::from(error),
             FarmError::BadMethod(error) => Self::from(error),
@@ -159,6 +171,18 @@ impl From<FarmError> for Problem {
                     .remedy("look at the coordinator's log")
             }
         }
+    }
+}
+
+impl From<Denied> for Problem {
+    fn from(denied: Denied) -> Self {
+        let (status, slug) = match denied {
+            Denied::NoToken => (StatusCode::UNAUTHORIZED, "no-token"),
+            Denied::UnknownToken => (StatusCode::UNAUTHORIZED, "unknown-token"),
+            Denied::Scope { .. } => (StatusCode::FORBIDDEN, "not-allowed"),
+            Denied::NotYours { .. } => (StatusCode::FORBIDDEN, "not-yours"),
+        };
+        Self::new(status, slug, denied.to_string()).remedy(denied.remedy())
     }
 }
 

@@ -1,10 +1,10 @@
 //! Scenes: upload once, refer to by hash.
 
-use axum::Json;
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use futures_util::StreamExt;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -13,6 +13,7 @@ use super::ApiState;
 use super::extract::PathValue;
 use super::problem::Problem;
 use crate::farm::SceneSummary;
+use crate::farm::access::caller::Caller;
 
 /// An uploaded scene.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
@@ -53,8 +54,12 @@ impl From<SceneSummary> for SceneView {
         (status = 422, description = "Cannot be rendered", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn upload_scene(State(state): State<ApiState>, body: Body) -> Result<Response, Problem> {
-    let mut upload = state.coordinator.begin_upload().await?;
+pub async fn upload_scene(
+    State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
+    body: Body,
+) -> Result<Response, Problem> {
+    let mut upload = state.coordinator.begin_upload(&caller).await?;
     let mut chunks = body.into_data_stream();
     loop {
         let taken = match chunks.next().await {
@@ -116,8 +121,10 @@ pub async fn list_scenes(State(state): State<ApiState>) -> Json<SceneList> {
 )]
 pub async fn delete_scene(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     PathValue(hash): PathValue<String>,
 ) -> Result<StatusCode, Problem> {
+    state.coordinator.check_scene_owner(&caller, &hash)?;
     state.coordinator.delete_scene(&hash).await?;
     Ok(StatusCode::NO_CONTENT)
 }

@@ -1,20 +1,29 @@
 //! The API as the subcommands use it.
 
+mod members;
+
+use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
+use reqwest::header::{HeaderMap, HeaderValue};
+use reqwest::redirect::Policy;
 use reqwest::{Method, RequestBuilder, Response, StatusCode, header};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::exit_code::CliError;
 use super::terminal;
+use super::token_option::TokenOption;
+use super::trust_options::TrustOptions;
 use crate::api::job_control::{CloneRequest, JobPatch};
 use crate::api::jobs::{JobSubmission, JobsQuery};
 use crate::api::problem::Problem;
 use crate::farm::SceneSummary;
+use crate::farm::access::secret::Secret;
 use crate::farm::job::{JobStatus, StopRule, WorkerStatus};
 use crate::farm::tls;
+use crate::farm::worker::dial::TlsSettings;
 
 /// How often in a row a broken stream of events is opened again.
 const RECONNECTS: u32 = 10;
@@ -30,11 +39,16 @@ pub(super) struct CoordinatorOption {
     /// Address of the coordinator.
     #[arg(long, env = "PHOTONFARM_URL", default_value = "http://127.0.0.1:8080", value_name = "URL")]
     coordinator: String,
+    #[command(flatten)]
+    token: TokenOption,
+    #[command(flatten)]
+    trust: TrustOptions,
 }
 
 impl CoordinatorOption {
     pub(super) fn client(&self) -> Result<Client, CliError> {
-        Client::new(&self.coordinator)
+        let tls = self.trust.settings(&self.coordinator)?;
+        Client::new(&self.coordinator, self.token.read()?.as_ref(), tls)
     }
 }
 
@@ -66,19 +80,27 @@ struct WorkerList {
 }
 
 impl Client {
-    pub(super) fn new(base: &str) -> Result<Self, CliError> {
+    pub(super) fn new(base: &str, token: Option<&Secret>, tls: Option<Arc<TlsSettings>>) -> Result<Self, CliError> {
         let base = base.trim_end_matches('/').to_owned();
-        if !base.starts_with("http://") {
-            let text = format!("\"{base}\" is not the address of a coordinator; write http://HOST:PORT");
+        if !base.starts_with("http://") && tls.is_none() {
+            let text =
+                format!("\"{base}\" is not the address of a coordinator; write http://HOST:PORT or https://HOST:PORT");
             return Err(CliError::Unreachable(text));
         }
         tls::use_ring();
         // Coordinators stand in the same network; a proxy would only be in the way of live events.
-        let http = reqwest::Client::builder()
-            .no_proxy()
+        let builder = reqwest::Client::builder();
+        let builder = match tls {
+            Some(settings) => builder.tls_backend_preconfigured(Arc::unwrap_or_clone(settings)),
             // Plain HTTP: no certificates are looked for, which small systems do not have.
-            .tls_certs_only([])
+            None => builder.tls_certs_only([]),
+        };
+        let http = builder
+            .no_proxy()
+            // No coordinator sends anybody elsewhere, and the token is for this one.
+            .redirect(Policy::none())
             .connect_timeout(Duration::from_secs(10))
+            .default_headers(authorization(token)?)
             .build();
         let http = http.map_err(|error| CliError::Failed(format!("cannot start the HTTP client: {error}")))?;
         Ok(Self { http, base })
@@ -242,6 +264,17 @@ impl Client {
             self.base
         ))
     }
+}
+
+/// What every request shows. It is left out wherever headers are printed.
+fn authorization(token: Option<&Secret>) -> Result<HeaderMap, CliError> {
+    let mut headers = HeaderMap::new();
+    if let Some(token) = token {
+        let mut value = HeaderValue::try_from(format!("Bearer {}", token.reveal())).map_err(CliError::failed)?;
+        value.set_sensitive(true);
+        headers.insert(header::AUTHORIZATION, value);
+    }
+    Ok(headers)
 }
 
 /// The address of a job.

@@ -9,6 +9,7 @@ use super::client::CoordinatorOption;
 use super::exit_code::CliError;
 use super::terminal;
 use crate::api::jobs::JobsQuery;
+use crate::farm::access::user::UserName;
 use crate::farm::job::{JobState, JobStatus};
 
 /// List a coordinator's jobs, all or those that are asked for.
@@ -25,6 +26,9 @@ pub(super) struct Jobs {
     /// Only jobs with this name.
     #[arg(long)]
     name: Option<String>,
+    /// Only jobs of this user.
+    #[arg(long, value_name = "USER")]
+    owner: Option<UserName>,
     /// Only jobs that were submitted after the one with this id.
     #[arg(long, value_name = "ID")]
     after: Option<String>,
@@ -40,8 +44,8 @@ pub(super) struct Jobs {
 
 impl Jobs {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        let Self { state, tag, name, after, limit, json, coordinator } = self;
-        let jobs = coordinator.client()?.jobs(&JobsQuery { state, tag, name, after, limit }).await?;
+        let Self { state, tag, name, owner, after, limit, json, coordinator } = self;
+        let jobs = coordinator.client()?.jobs(&JobsQuery { state, tag, name, owner, after, limit }).await?;
         if json {
             return terminal::json(&jobs);
         }

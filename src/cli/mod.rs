@@ -35,6 +35,11 @@ mod store;
 mod store_options;
 mod submit;
 mod terminal;
+mod tls_options;
+mod token;
+mod token_option;
+mod trust_options;
+mod user;
 mod watch;
 mod weight_maps;
 mod worker;
@@ -86,6 +91,8 @@ enum Command {
     Scenes(scenes::Scenes),
     Workers(workers::Workers),
     Store(store::Store),
+    User(user::User),
+    Token(token::Token),
     Methods(methods::Methods),
     Import(import::Import),
     Scene(scene::Scene),
@@ -133,6 +140,8 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Scenes(command) => in_runtime(command.run()),
         Command::Workers(command) => in_runtime(command.run()),
         Command::Store(command) => in_runtime(command.run()),
+        Command::User(command) => in_runtime(command.run()),
+        Command::Token(command) => in_runtime(command.run()),
         Command::Methods(command) => command.run(),
         Command::Import(command) => command.run(),
         Command::Scene(command) => command.run(),

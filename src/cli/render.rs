@@ -55,7 +55,7 @@ impl Render {
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
         let mut farm = farm_with_api(workers, threads).start().await?;
-        let client = Client::new(&farm.url())?;
+        let client = Client::new(&farm.url(), None, None)?;
         let result = tokio::select! {
             result = self.render(&client, scene, workers * threads) => result,
             failure = farm.failure() => Err(failure.into()),

@@ -1,13 +1,19 @@
 //! `serve`: a coordinator, with workers of its own if wanted.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use tokio::net::lookup_host;
 
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
 use super::store_options::StoreOptions;
+use super::tls_options::TlsOptions;
+use super::token_option::token_file;
 use super::{signals, terminal};
+use crate::farm::store::Store;
+use crate::farm::tls::server::ServerTls;
 use crate::farm::{CoordinatorOptions, LocalFarm};
 
 /// How long shards that are being traced are waited for.
@@ -34,6 +40,8 @@ pub(super) struct Serve {
     threads: Option<u16>,
     #[command(flatten)]
     store: StoreOptions,
+    #[command(flatten)]
+    tls: TlsOptions,
     /// Memory for the states of running jobs, GiB [default: half of this machine's].
     #[arg(long, value_name = "GIB")]
     memory: Option<f64>,
@@ -47,6 +55,15 @@ pub(super) struct Serve {
     /// end with .local, .internal, .localhost or .home.arpa need not be given.
     #[arg(long = "host-name", value_name = "NAME")]
     host_names: Vec<String>,
+    /// File with a token of the admin "operator", who is there as long as this process runs.
+    #[arg(long, env = "PHOTONFARM_ADMIN_TOKEN_FILE", value_name = "FILE")]
+    admin_token_file: Option<PathBuf>,
+    /// File with a token by which workers join as long as this process runs.
+    #[arg(long, env = "PHOTONFARM_WORKER_TOKEN_FILE", value_name = "FILE")]
+    worker_token_file: Option<PathBuf>,
+    /// Let anyone who reaches this coordinator do everything, also from other machines, while there are no users.
+    #[arg(long)]
+    insecure: bool,
     /// Seconds between two snapshots of a job at least.
     #[arg(long, default_value_t = 30.0, value_name = "SECONDS")]
     snapshot_interval: f64,
@@ -58,18 +75,31 @@ impl Serve {
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
         let options = self.options()?;
         let store = self.store.open().await?;
+        self.refuse_to_stand_open(&store).await?;
+        let tls = self.tls()?;
         match self.store.location()? {
             Some(location) => terminal::note(&format!("data is kept in {}", location.folder.display())),
             None => terminal::note("all is kept in memory and ends with this process"),
         }
-        let builder = farm_with_api(workers, threads).listen(&self.listen).options(options).store(store);
+        let fingerprint = tls.as_ref().map(ServerTls::fingerprint);
+        let builder = farm_with_api(workers, threads).listen(&self.listen).options(options).store(store).tls(tls);
         let mut farm = builder.start().await?;
         let live = farm.client().jobs().iter().filter(|job| !job.state.is_final()).count();
         if live > 0 {
             let (jobs, they) = if live == 1 { ("job goes", "it was") } else { ("jobs go", "they were") };
             terminal::note(&format!("{live} {jobs} on from where {they} stored"));
         }
-        terminal::note(&format!("photonfarm listens at http://{}", farm.address()));
+        let scheme = if fingerprint.is_some() { "https" } else { "http" };
+        terminal::note(&format!("photonfarm listens at {scheme}://{}", farm.address()));
+        match fingerprint {
+            Some(fingerprint) => terminal::note(&format!("its certificate is {fingerprint}")),
+            None if !farm.address().ip().is_loopback() => {
+                terminal::note(
+                    "connections are not encrypted: tokens and pictures can be read on their way; see --tls",
+                );
+            }
+            None => {}
+        }
         let result = tokio::select! {
             result = signals::interrupted() => result,
             failure = farm.failure() => Err(failure.into()),
@@ -91,6 +121,39 @@ impl Serve {
         result
     }
 
+    /// The certificate, if connections are to be encrypted. One that is made here names this host as far as it is known.
+    fn tls(&self) -> Result<Option<ServerTls>, CliError> {
+        let folder = self.store.location()?.map(|location| location.folder);
+        let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
+        names.extend(self.host_names.iter().cloned());
+        let listen = self.listen.rsplit_once(':').map_or("", |(host, _)| host).trim_matches(['[', ']']);
+        if !listen.is_empty() && !names.iter().any(|name| name == listen) {
+            names.push(listen.to_owned());
+        }
+        self.tls.server(folder.as_deref(), &names)
+    }
+
+    /// Whoever listens beyond this machine has users, or says that none are wanted.
+    async fn refuse_to_stand_open(&self, store: &Store) -> Result<(), CliError> {
+        let listen = &self.listen;
+        let cannot = |problem| {
+            CliError::Failed(format!("cannot listen at {listen}: {problem}; give a free address as HOST:PORT"))
+        };
+        let is_reachable = lookup_host(listen).await.map_err(cannot)?.any(|address| !address.ip().is_loopback());
+        if !is_reachable || self.admin_token_file.is_some() || !store.users().await?.is_empty() {
+            return Ok(());
+        }
+        if self.insecure {
+            terminal::note(&format!("there are no users: anyone who reaches {listen} may do everything"));
+            return Ok(());
+        }
+        let data = self.store.location()?.map_or_else(|| "DIR".to_owned(), |place| place.folder.display().to_string());
+        Err(CliError::BadInput(format!(
+            "there are no users, so anyone who reaches {listen} could do everything; make the first one with \
+             `photonfarm store add-admin NAME --data {data}`, give --admin-token-file, or start with --insecure"
+        )))
+    }
+
     fn options(&self) -> Result<CoordinatorOptions, CliError> {
         let mut options = CoordinatorOptions { check_share: self.check_share, ..CoordinatorOptions::default() };
         if !(0.0..=1.0).contains(&self.check_share) {
@@ -110,6 +173,8 @@ impl Serve {
         }
         options.snapshot_interval = Duration::from_secs_f64(interval);
         options.host_names.clone_from(&self.host_names);
+        options.admin_token = self.admin_token_file.as_deref().map(token_file).transpose()?;
+        options.worker_token = self.worker_token_file.as_deref().map(token_file).transpose()?;
         Ok(options)
     }
 

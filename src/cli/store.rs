@@ -7,6 +7,8 @@ use clap::{Args, Subcommand};
 use super::exit_code::CliError;
 use super::store_options::StoreOptions;
 use super::terminal;
+use crate::farm::access::user::UserName;
+use crate::farm::coordinator::members::make_admin;
 
 /// Look after a coordinator's store.
 ///
@@ -31,6 +33,13 @@ enum Task {
         #[command(flatten)]
         store: StoreOptions,
     },
+    /// Add an admin, or give one a further token, and print it: so a coordinator gets its first user, and one that lost all tokens a new one.
+    AddAdmin {
+        /// 1 to 64 small letters, digits, dots, dashes, underscores and @.
+        name: UserName,
+        #[command(flatten)]
+        store: StoreOptions,
+    },
     /// Delete blobs that no record names.
     Gc {
         #[command(flatten)]
@@ -50,6 +59,14 @@ impl Store {
                 }
             }
             Task::Export { file, store } => Ok(store.open_existing().await?.export(&file).await?),
+            Task::AddAdmin { name, store } => {
+                let secret = make_admin(&store.open().await?, name.clone()).await;
+                let secret = secret.map_err(|problem| CliError::File(problem.to_string()))?;
+                terminal::note(&format!(
+                    "this token is {name}'s; it is shown this once, and is as good as a password:"
+                ));
+                terminal::result(secret.reveal())
+            }
             Task::Gc { store } => terminal::json(&store.open_existing().await?.clean_up().await?),
         }
     }

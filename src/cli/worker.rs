@@ -6,6 +6,8 @@ use tokio_util::sync::CancellationToken;
 use super::exit_code::CliError;
 use super::farm_options::threads_per_worker;
 use super::signals;
+use super::token_option::TokenOption;
+use super::trust_options::TrustOptions;
 use crate::farm::prepared_scenes::PreparedScenes;
 use crate::farm::worker::dial::Dialer;
 use crate::farm::worker::{KEPT_SCENES, WorkerOptions, run_worker};
@@ -18,6 +20,10 @@ pub(super) struct Worker {
     /// Address of the coordinator.
     #[arg(long, env = "PHOTONFARM_URL", value_name = "URL")]
     coordinator: String,
+    #[command(flatten)]
+    token: TokenOption,
+    #[command(flatten)]
+    trust: TrustOptions,
     /// Rendering threads [default: all processors].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -28,12 +34,14 @@ pub(super) struct Worker {
 
 impl Worker {
     pub(super) async fn run(self) -> Result<(), CliError> {
+        let dialer = Dialer::tcp(self.trust.settings(&self.coordinator)?);
         let options = WorkerOptions {
             coordinator: self.coordinator,
             name: self.name.unwrap_or_else(|| format!("worker-{}", std::process::id())),
             threads: threads_per_worker(self.threads.map(usize::from), 1),
+            token: self.token.read()?,
             scenes: PreparedScenes::new(KEPT_SCENES),
-            dialer: Dialer::tcp(),
+            dialer,
         };
         let shutdown = CancellationToken::new();
         let asked_to_stop = async {

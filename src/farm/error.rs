@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use super::access::caller::Denied;
+use super::access::secret::NoRandomness;
 use super::ids::JobId;
 use super::store::StoreError;
 use crate::method::MethodError;
@@ -16,6 +18,9 @@ pub enum FarmError {
     /// No job has this id.
     #[error("there is no job \"{0}\"")]
     UnknownJob(JobId),
+    /// No user or token is called so.
+    #[error("there is no {0}")]
+    UnknownMember(String),
     /// The scene cannot be rendered.
     #[error(transparent)]
     BadScene(#[from] SceneError),
@@ -79,12 +84,21 @@ pub enum FarmError {
         /// What the store says.
         problem: String,
     },
+    /// Whoever asks may not.
+    #[error("{0}; {remedy}", remedy = .0.remedy())]
+    Denied(#[from] Denied),
     /// The coordinator is stopping and takes no new work.
     #[error("the coordinator is shutting down; try again when it is back")]
     ShuttingDown,
     /// A fault of the coordinator itself; its log says more.
     #[error("internal fault: {0}")]
     Internal(String),
+}
+
+impl From<NoRandomness> for FarmError {
+    fn from(error: NoRandomness) -> Self {
+        Self::Internal(error.to_string())
+    }
 }
 
 impl From<StoreError> for FarmError {

@@ -5,6 +5,7 @@ use std::num::NonZeroU16;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use super::access::user::UserName;
 use super::ids::JobId;
 
 /// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
@@ -177,6 +178,8 @@ pub struct JobFilter {
     pub tag: Option<String>,
     /// Those with this name.
     pub name: Option<String>,
+    /// Those of this user.
+    pub owner: Option<UserName>,
     /// Those that were submitted after this one.
     pub after: Option<JobId>,
 }
@@ -187,6 +190,7 @@ impl JobFilter {
         self.state.is_none_or(|state| state == job.state)
             && self.tag.as_ref().is_none_or(|tag| job.tags.contains(tag))
             && self.name.as_ref().is_none_or(|name| job.name.as_ref() == Some(name))
+            && self.owner.as_ref().is_none_or(|owner| job.owner.as_ref() == Some(owner))
     }
 }
 
@@ -227,6 +231,9 @@ pub struct JobStatus {
     /// Whether it cannot begin because other jobs, also paused ones, hold the coordinator's memory.
     #[serde(default)]
     pub waiting_for_memory: bool,
+    /// Who submitted it, where there are users.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub owner: Option<UserName>,
     /// What people call it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,

@@ -20,6 +20,7 @@
 //! ```
 
 use std::net::SocketAddr;
+use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
@@ -27,11 +28,15 @@ use tokio::net::TcpListener;
 use tokio::task::{JoinHandle, JoinSet};
 use tokio_util::sync::CancellationToken;
 
+use super::access::secret::Secret;
 use super::coordinator::{CoordinatorHandle, CoordinatorOptions};
 use super::error::FarmError;
 use super::http;
 use super::prepared_scenes::PreparedScenes;
 use super::store::Store;
+use super::tls::TlsError;
+use super::tls::client::{self, Trust};
+use super::tls::server::ServerTls;
 use super::worker::dial::Dialer;
 use super::worker::{KEPT_SCENES, WorkerError, WorkerOptions, run_worker};
 
@@ -52,6 +57,9 @@ pub enum LocalFarmError {
     /// The coordinator cannot start, for example because its store cannot be read.
     #[error(transparent)]
     Coordinator(#[from] FarmError),
+    /// Connections cannot be encrypted.
+    #[error(transparent)]
+    Tls(#[from] TlsError),
     /// The server ended.
     #[error("the coordinator's server ended: {0}")]
     Server(String),
@@ -70,6 +78,7 @@ pub struct LocalFarmBuilder {
     threads: usize,
     options: CoordinatorOptions,
     store: Option<Store>,
+    tls: Option<ServerTls>,
     routes: Option<Routes>,
 }
 
@@ -104,6 +113,12 @@ impl LocalFarmBuilder {
         self
     }
 
+    /// How connections are encrypted; not at all by default.
+    pub fn tls(mut self, tls: Option<ServerTls>) -> Self {
+        self.tls = tls;
+        self
+    }
+
     /// Further routes, for example a REST interface.
     pub fn routes(
         mut self,
@@ -115,7 +130,7 @@ impl LocalFarmBuilder {
 
     /// Starts everything. Must be called inside a tokio runtime.
     pub async fn start(self) -> Result<LocalFarm, LocalFarmError> {
-        let Self { listen, workers, threads, options, store, routes } = self;
+        let Self { listen, workers, threads, options, store, tls, routes } = self;
         let cannot_listen = |problem| LocalFarmError::Listen { address: listen.clone(), problem };
         let listener = TcpListener::bind(&listen).await.map_err(cannot_listen)?;
         let address = listener.local_addr().map_err(cannot_listen)?;
@@ -124,7 +139,9 @@ impl LocalFarmBuilder {
             Some(store) => store,
             None => Store::in_memory().await.map_err(FarmError::from)?,
         };
-        let options = CoordinatorOptions { scenes: scenes.clone(), ..options };
+        let options = CoordinatorOptions { scenes: scenes.clone(), is_encrypted: tls.is_some(), ..options };
+        let pinned = tls.as_ref().map(|tls| client::configure(&Trust::Pinned(tls.fingerprint()), None));
+        let dialer = Dialer::tcp(pinned.transpose()?.map(Arc::new));
         let coordinator = CoordinatorHandle::start(options, store).await?;
         let server_shutdown = CancellationToken::new();
         let further = routes.map(|routes| routes(coordinator.clone(), server_shutdown.clone()));
@@ -132,9 +149,14 @@ impl LocalFarmBuilder {
         let application = protocol.merge(further.unwrap_or_default());
         let stopped = server_shutdown.clone();
         let limits = coordinator.limits().clone();
-        let server = tokio::spawn(async move { http::server::serve(listener, application, &limits, stopped).await });
+        let is_encrypted = tls.is_some();
+        let serving = async move { http::server::serve(listener, application, &limits, tls, stopped).await };
+        let server = tokio::spawn(serving);
         let mut farm = LocalFarm {
             address,
+            is_encrypted,
+            dialer,
+            workers_token: coordinator.shared.give_own_workers_token()?,
             coordinator,
             scenes,
             server,
@@ -152,8 +174,11 @@ impl LocalFarmBuilder {
 /// A running coordinator with its workers.
 pub struct LocalFarm {
     address: SocketAddr,
+    is_encrypted: bool,
+    dialer: Dialer,
     coordinator: CoordinatorHandle,
     scenes: PreparedScenes,
+    workers_token: Secret,
     server: JoinHandle<()>,
     server_shutdown: CancellationToken,
     workers: JoinSet<Result<(), WorkerError>>,
@@ -169,6 +194,7 @@ impl LocalFarm {
             threads: 1,
             options: CoordinatorOptions::default(),
             store: None,
+            tls: None,
             routes: None,
         }
     }
@@ -185,10 +211,13 @@ impl LocalFarm {
 
     /// An address at which this process reaches the coordinator.
     pub fn url(&self) -> String {
+        let scheme = if self.is_encrypted { "https" } else { "http" };
         match self.address {
-            SocketAddr::V4(address) if address.ip().is_unspecified() => format!("http://127.0.0.1:{}", address.port()),
-            SocketAddr::V6(address) if address.ip().is_unspecified() => format!("http://[::1]:{}", address.port()),
-            address => format!("http://{address}"),
+            SocketAddr::V4(address) if address.ip().is_unspecified() => {
+                format!("{scheme}://127.0.0.1:{}", address.port())
+            }
+            SocketAddr::V6(address) if address.ip().is_unspecified() => format!("{scheme}://[::1]:{}", address.port()),
+            address => format!("{scheme}://{address}"),
         }
     }
 
@@ -199,8 +228,9 @@ impl LocalFarm {
             coordinator: self.url(),
             name: name.to_owned(),
             threads,
+            token: Some(self.workers_token.clone()),
             scenes: self.scenes.clone(),
-            dialer: Dialer::tcp(),
+            dialer: self.dialer.clone(),
         };
         self.workers.spawn(run_worker(options, stop.clone()));
         stop

@@ -35,6 +35,7 @@
 //! | [`method_choice`], [`prepared_scenes`], [`tls`] | trials of methods; the scenes of this process; the cryptography of its clients |
 //! | [`local_farm`] | all of it inside a program |
 
+pub mod access;
 pub mod coordinator;
 pub mod error;
 mod events;

@@ -6,7 +6,7 @@ use std::process::{Command, Output, Stdio};
 /// The program with `arguments`, without standard input and with no coordinator named by the environment.
 pub(crate) fn program(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_photonfarm"));
-    command.args(arguments).env_remove("PHOTONFARM_URL").stdin(Stdio::null());
+    command.args(arguments).env_remove("PHOTONFARM_URL").env_remove("PHOTONFARM_TOKEN").stdin(Stdio::null());
     command
 }
 

@@ -9,6 +9,7 @@ use super::scene_record::SceneRecord;
 use super::shared::{JobFacts, JobRecord, Shared, State};
 use crate::estimate::{Declaration, Estimate, RadiusRule, Region};
 use crate::evaluation::DEFAULT_ERROR;
+use crate::farm::access::user::UserName;
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::job::{JobRequest, Priority};
@@ -32,7 +33,7 @@ pub struct JobChanges {
 }
 
 impl Shared {
-    pub(super) async fn submit(&self, mut request: JobRequest) -> Result<JobId, FarmError> {
+    pub(super) async fn submit(&self, mut request: JobRequest, owner: Option<UserName>) -> Result<JobId, FarmError> {
         request.name = request.name.filter(|name| !name.is_empty());
         request::check_labels(&request, &self.options.limits)?;
         let _turn = self.catalogue.take().await?;
@@ -43,6 +44,7 @@ impl Shared {
             request,
             description: JobDescription { id, ..description },
             terms: terms.clone(),
+            owner,
             submitted: unix.as_secs(),
             history: Vec::new(),
             snapshots: Snapshots::default(),

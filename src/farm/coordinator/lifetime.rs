@@ -35,7 +35,8 @@ impl Shared {
         };
         let last_job = store.last_job().await?;
         let (chores, waiting) = mpsc::unbounded_channel();
-        let shared = Arc::new(Self::new(options, store, clock, Rules::new(rules), last_job, chores));
+        let shared = Arc::new(Self::new(options, store, clock, Rules::new(rules), last_job, chores)?);
+        shared.take_over_members().await?;
         shared.take_over_scenes().await?;
         let rows = shared.store.job_rows().await?;
         shared.take_over(rows).await?;

@@ -29,6 +29,10 @@ pub struct Limits {
     pub tag_bytes: usize,
     /// Jobs that have not ended.
     pub live_jobs: usize,
+    /// Users.
+    pub users: usize,
+    /// Tokens of a user, logins of the page included, and those by which workers join.
+    pub tokens: usize,
     /// Uploads at the same time.
     pub uploads: usize,
     /// Connections at the same time; further ones wait.
@@ -61,6 +65,8 @@ impl Default for Limits {
             tags: 20,
             tag_bytes: 100,
             live_jobs: 1000,
+            users: 10_000,
+            tokens: 100,
             uploads: 4,
             connections: 4096,
             silence: 30,

@@ -9,6 +9,7 @@
 //! | `lifetime` | how it starts, lets time pass, and stops |
 //! | `shared` | events go in, effects are carried out |
 //! | `scenes`, `jobs`, `control` | what users ask for, one `turn` after the other |
+//! | [`members`] | who they are, and what they may do |
 //! | `results` | what workers deliver |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
 //! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
@@ -22,6 +23,7 @@ mod jobs;
 mod keeper;
 mod lifetime;
 mod limits;
+pub mod members;
 mod options;
 mod pictures;
 mod records;
@@ -50,6 +52,7 @@ pub use scene_record::SceneSummary;
 pub use scenes::SceneUpload;
 pub(super) use shared::{JobRecord, Shared, blocking};
 
+use super::access::caller::Caller;
 use super::error::FarmError;
 use super::ids::JobId;
 use super::job::{JobFilter, JobRequest, JobStatus, StopRule, WorkerStatus};
@@ -82,9 +85,19 @@ impl CoordinatorHandle {
         &self.shared.options.host_names
     }
 
+    /// Whether its connections are encrypted.
+    pub fn is_encrypted(&self) -> bool {
+        self.shared.options.is_encrypted
+    }
+
     /// Checks and keeps a scene: XML or JSON that stands alone, or a zip archive. The same bytes again cost nothing.
     pub async fn add_scene(&self, bytes: Vec<u8>) -> Result<SceneSummary, FarmError> {
-        let mut upload = self.begin_upload().await?;
+        self.add_scene_of(bytes, &Caller::Anyone).await
+    }
+
+    /// The same for a caller, whose the scene is if it is new.
+    pub async fn add_scene_of(&self, bytes: Vec<u8>, caller: &Caller) -> Result<SceneSummary, FarmError> {
+        let mut upload = self.begin_upload(caller).await?;
         match upload.write(&bytes).await {
             Ok(()) => upload.finish().await,
             Err(problem) => {
@@ -94,9 +107,9 @@ impl CoordinatorHandle {
         }
     }
 
-    /// Begins a scene whose bytes come bit by bit.
-    pub async fn begin_upload(&self) -> Result<SceneUpload, FarmError> {
-        self.shared.begin_upload().await
+    /// Begins a caller's scene whose bytes come bit by bit.
+    pub async fn begin_upload(&self, caller: &Caller) -> Result<SceneUpload, FarmError> {
+        self.shared.begin_upload(caller.name().cloned()).await
     }
 
     /// What is known of an uploaded scene.
@@ -121,7 +134,12 @@ impl CoordinatorHandle {
 
     /// Checks a request and queues the job; answers its id. Nothing is traced before the answer.
     pub async fn submit(&self, request: JobRequest) -> Result<JobId, FarmError> {
-        self.shared.submit(request).await
+        self.submit_of(request, &Caller::Anyone).await
+    }
+
+    /// The same for a caller, whose the job is.
+    pub async fn submit_of(&self, request: JobRequest, caller: &Caller) -> Result<JobId, FarmError> {
+        self.shared.submit(request, caller.name().cloned()).await
     }
 
     /// A job's error as it was estimated from time to time.

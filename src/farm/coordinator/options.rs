@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::limits::{FaultHooks, Limits};
+use crate::farm::access::secret::Secret;
 use crate::farm::prepared_scenes::PreparedScenes;
 
 /// How a coordinator runs.
@@ -20,6 +21,12 @@ pub struct CoordinatorOptions {
     pub keep_ended: Option<Duration>,
     /// Names by which browsers and workers may call it, beside addresses and names that nobody can own publicly.
     pub host_names: Vec<String>,
+    /// A token of the admin `operator`, who is there as long as the coordinator runs.
+    pub admin_token: Option<Secret>,
+    /// A token by which workers join as long as it runs.
+    pub worker_token: Option<Secret>,
+    /// Whether its connections are encrypted, so that browsers keep its cookies from others.
+    pub is_encrypted: bool,
     /// The prepared scenes of this process.
     pub scenes: PreparedScenes,
     /// Faults on purpose, for tests.
@@ -35,6 +42,9 @@ impl Default for CoordinatorOptions {
             snapshot_interval: Duration::from_secs(30),
             keep_ended: None,
             host_names: Vec::new(),
+            admin_token: None,
+            worker_token: None,
+            is_encrypted: false,
             scenes: PreparedScenes::new(0),
             faults: FaultHooks::default(),
         }

@@ -7,6 +7,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::shared::{JobFacts, JobRecord, Shared};
+use crate::farm::access::user::UserName;
 use crate::farm::job::{JobRequest, JobStatus, StopRule};
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
@@ -32,6 +33,8 @@ struct StoredJob {
     /// Seconds.
     ran: f64,
     history: Vec<ErrorPoint>,
+    #[serde(default)]
+    owner: Option<UserName>,
     /// As it was told last.
     status: JobStatus,
 }
@@ -54,6 +57,7 @@ impl Shared {
             pause: progress.and_then(|job| job.pause.clone()),
             ran: progress.map_or(status.seconds, |job| job.seconds(now)),
             history: progress.map_or_else(|| facts.history.clone(), |job| job.history.clone()),
+            owner: facts.owner.clone(),
             status,
         };
         JobRow {
@@ -128,7 +132,8 @@ fn read(row: &JobRow) -> Result<JobRecord, StoreError> {
         problem: problem.to_string(),
     };
     let stored: StoredJob = serde_json::from_str(&row.record).map_err(bad)?;
-    let StoredJob { request, method, stop, memory, chooses_method, notices, pause, ran, history, status } = stored;
+    let StoredJob { request, method, stop, memory, chooses_method, notices, pause, ran, history, owner, status } =
+        stored;
     let (width, height, seed) = (status.width, status.height, status.seed);
     let description = JobDescription { id: row.id, scene: row.scene.clone(), method, seed, width, height };
     let terms = Terms { stop, priority: request.priority, memory, chooses_method, notices };
@@ -136,6 +141,7 @@ fn read(row: &JobRow) -> Result<JobRecord, StoreError> {
         request,
         description,
         terms,
+        owner,
         submitted: status.submitted,
         history,
         snapshots: row.snapshots.clone(),

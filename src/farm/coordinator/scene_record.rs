@@ -4,6 +4,7 @@ use std::sync::atomic::AtomicI64;
 
 use serde::{Deserialize, Serialize};
 
+use crate::farm::access::user::UserName;
 use crate::method::SceneTraits;
 use crate::scene::Integrator;
 
@@ -18,6 +19,9 @@ pub struct SceneSummary {
     pub height: u32,
     /// Bytes of the file or archive.
     pub bytes: u64,
+    /// Who uploaded it first, where there are users.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub owner: Option<UserName>,
     /// The method that its integrator asks for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<String>,

@@ -9,6 +9,7 @@ use tokio::sync::OwnedSemaphorePermit;
 
 use super::scene_record::{SceneRecord, SceneSummary};
 use super::shared::{Shared, blocking};
+use crate::farm::access::user::UserName;
 use crate::farm::error::FarmError;
 use crate::farm::prepared_scenes::prepare_scene;
 use crate::farm::rules::Event;
@@ -47,25 +48,25 @@ impl Shared {
     }
 
     /// Makes place for an upload; at most so many at a time.
-    pub(super) async fn begin_upload(self: &Arc<Self>) -> Result<SceneUpload, FarmError> {
+    pub(super) async fn begin_upload(self: &Arc<Self>, owner: Option<UserName>) -> Result<SceneUpload, FarmError> {
         let limits = &self.options.limits;
         let Ok(slot) = self.uploads.clone().try_acquire_owned() else {
             let problem = format!("{} scenes are being uploaded already", limits.uploads);
             return Err(FarmError::Busy { problem, retry_after: limits.retry_after() });
         };
         let upload = self.store.blobs().begin_scene().await?;
-        Ok(SceneUpload { shared: self.clone(), upload, _slot: slot })
+        Ok(SceneUpload { shared: self.clone(), upload, owner, _slot: slot })
     }
 
     /// Checks an uploaded scene and keeps it, or leaves nothing of it.
-    async fn add_uploaded(&self, uploaded: Uploaded) -> Result<SceneSummary, FarmError> {
+    async fn add_uploaded(&self, uploaded: Uploaded, owner: Option<UserName>) -> Result<SceneSummary, FarmError> {
         let hash = uploaded.hash.clone();
         if let Ok(known) = self.scene(&hash) {
             known.uploaded.store(self.clock.unix_milliseconds(), Ordering::Relaxed);
             uploaded.discard().await?;
             return Ok(known.summary.clone());
         }
-        let record = match self.check_scene(&uploaded).await {
+        let record = match self.check_scene(&uploaded, owner).await {
             Ok(record) => record,
             Err(problem) => {
                 uploaded.discard().await?;
@@ -95,7 +96,7 @@ impl Shared {
     }
 
     /// Prepares a scene, so that nobody else in this process has to, and says what it is.
-    async fn check_scene(&self, uploaded: &Uploaded) -> Result<SceneRecord, FarmError> {
+    async fn check_scene(&self, uploaded: &Uploaded, owner: Option<UserName>) -> Result<SceneRecord, FarmError> {
         let hash = uploaded.hash.clone();
         let prepare = async {
             let bytes = uploaded.read().await?;
@@ -111,6 +112,7 @@ impl Shared {
             width: scene.width,
             height: scene.height,
             bytes: uploaded.bytes,
+            owner,
             integrator: scene.integrator.as_ref().map(|integrator| integrator.name.clone()),
             notices: scene.notices.clone(),
         };
@@ -178,6 +180,7 @@ impl Shared {
 pub struct SceneUpload {
     shared: Arc<Shared>,
     upload: Upload,
+    owner: Option<UserName>,
     _slot: OwnedSemaphorePermit,
 }
 
@@ -197,7 +200,7 @@ impl SceneUpload {
     /// All bytes came: checks the scene and keeps it.
     pub async fn finish(self) -> Result<SceneSummary, FarmError> {
         let uploaded = self.upload.finish().await?;
-        self.shared.add_uploaded(uploaded).await
+        self.shared.add_uploaded(uploaded, self.owner).await
     }
 
     /// Nothing of it stays.

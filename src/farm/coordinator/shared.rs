@@ -16,6 +16,10 @@ use super::scene_record::SceneRecord;
 use super::seen_first::SeenFirst;
 use super::turn::Turn;
 use super::viewed::Viewed;
+use crate::farm::access::register::Register;
+use crate::farm::access::secret::NoRandomness;
+use crate::farm::access::user::UserName;
+use crate::farm::access::worker_secret::WorkerSecrets;
 use crate::farm::error::FarmError;
 use crate::farm::events::EVENTS;
 use crate::farm::ids::JobId;
@@ -37,10 +41,14 @@ pub(in crate::farm) struct Shared {
     pub(super) chores: mpsc::UnboundedSender<Chore>,
     pub(super) viewed: Viewed,
     state: Mutex<State>,
+    pub(super) register: Mutex<Register>,
+    pub(in crate::farm) worker_secrets: WorkerSecrets,
     pub(super) seen_first: SeenFirst,
     pub(super) uploads: Arc<Semaphore>,
     /// Whoever adds or deletes scenes, or jobs that refer to them.
     pub(super) catalogue: Turn,
+    /// Whoever changes users or tokens.
+    pub(super) members: Turn,
     /// Rises whenever a waiting worker should ask again.
     pub(in crate::farm) work: watch::Sender<u64>,
     pub(super) stopped: CancellationToken,
@@ -82,6 +90,8 @@ pub(super) struct JobFacts {
     pub(super) request: JobRequest,
     pub(super) description: JobDescription,
     pub(super) terms: Terms,
+    /// Who submitted it, where there are users.
+    pub(super) owner: Option<UserName>,
     /// Seconds since 1970.
     pub(super) submitted: u64,
     /// How its error fell, until it ended or was stored.
@@ -126,6 +136,11 @@ impl JobRecord {
         lock(&self.facts).description.clone()
     }
 
+    /// Who submitted it, where there are users.
+    pub(super) fn owner(&self) -> Option<UserName> {
+        lock(&self.facts).owner.clone()
+    }
+
     /// What was asked for.
     pub(super) fn request(&self) -> JobRequest {
         lock(&self.facts).request.clone()
@@ -150,9 +165,12 @@ impl Shared {
         rules: Rules,
         last_job: Option<JobId>,
         chores: mpsc::UnboundedSender<Chore>,
-    ) -> Self {
+    ) -> Result<Self, NoRandomness> {
         let state = State { rules, jobs: BTreeMap::new(), scenes: HashMap::new(), last_job, is_closed: false };
-        Self {
+        Ok(Self {
+            register: Mutex::default(),
+            worker_secrets: WorkerSecrets::new()?,
+            members: Turn::default(),
             uploads: Arc::new(Semaphore::new(options.limits.uploads)),
             catalogue: Turn::default(),
             options,
@@ -165,7 +183,7 @@ impl Shared {
             work: watch::Sender::new(0),
             stopped: CancellationToken::new(),
             busy: TaskTracker::new(),
-        }
+        })
     }
 
     pub(in crate::farm) fn lock(&self) -> MutexGuard<'_, State> {

@@ -88,7 +88,7 @@ fn estimated_error(measured: MeasuredError) -> EstimatedError {
 impl JobFacts {
     /// The status of a job of which nothing is known but what was asked for.
     pub(super) fn status(&self) -> JobStatus {
-        let Self { request, description, terms, submitted, .. } = self;
+        let Self { request, description, terms, owner, submitted, .. } = self;
         let (method, parameters) = match &description.method {
             Some(method) => (method.choice.name.clone(), method.choice.parameters.clone()),
             None => (AUTO.to_owned(), request.parameters.clone()),
@@ -100,6 +100,7 @@ impl JobFacts {
             paused: None,
             waiting_for_workers_since: None,
             waiting_for_memory: false,
+            owner: owner.clone(),
             name: request.name.clone(),
             tags: request.tags.clone(),
             priority: request.priority,

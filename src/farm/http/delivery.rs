@@ -9,7 +9,6 @@ use prost::Message;
 use super::problem::Problem;
 use crate::estimate::Declaration;
 use crate::farm::coordinator::{Delivered, Delivery, JobRecord, Payload, Shared};
-use crate::farm::ids::{Fencing, LeaseId, WorkerId};
 use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Outcome};
@@ -19,18 +18,25 @@ use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
 use crate::farm::wire::{WireError, first_surfaces, result};
 use crate::method;
 
+/// Whether the worker that delivers has the lease, so that its result is worth the memory that it takes.
+pub(super) fn is_awaited(shared: &Shared, delivery: Delivery) -> bool {
+    let Delivery { worker, lease, fencing } = delivery;
+    let state = shared.lock();
+    state.rules.leases().get(lease).is_some_and(|lease| lease.worker == worker && lease.fencing == fencing)
+}
+
+/// Answers a worker whose lease has ended; the rules know whether well or badly, whatever the result holds.
+pub(super) fn turn_away(shared: &Shared, delivery: Delivery) -> Result<ResultResponse, Problem> {
+    if is_awaited(shared, delivery) {
+        return Err(fenced());
+    }
+    answer(shared.record_result(delivery, Outcome::Accepted(None)))
+}
+
 /// Takes a worker's result. Blocks while it decodes and merges.
-pub(super) fn deliver(shared: &Shared, request: ResultRequest) -> Result<ResultResponse, Problem> {
-    let delivery = Delivery {
-        worker: WorkerId::new(request.worker),
-        lease: LeaseId::new(request.lease),
-        fencing: Fencing::new(request.fencing),
-    };
+pub(super) fn deliver(shared: &Shared, delivery: Delivery, request: ResultRequest) -> Result<ResultResponse, Problem> {
     let lease = shared.lock().rules.leases().get(delivery.lease).copied();
-    let Some(lease) = lease else {
-        // The lease has ended; the rules know whether well or badly, whatever the result holds.
-        return answer(shared.record_result(delivery, Outcome::Accepted(None)));
-    };
+    let Some(lease) = lease else { return turn_away(shared, delivery) };
     let job = shared.job(lease.job)?;
     if let Some(Sent::Failure(problem)) = &request.outcome {
         return answer(shared.record_result(delivery, Outcome::Failed(shorten(problem))));

@@ -2,16 +2,19 @@
 //!
 //! | request | answers |
 //! |---|---|
-//! | `POST register` | 200; 409 when the worker is of another build |
+//! | `POST register` | 200 with a secret; 401 and 403 without a token for workers, where there are users; 409 when the worker is of another build |
 //! | `POST lease` | 200 with a lease, or without one after some seconds |
 //! | `POST heartbeat`, `POST release` | 200 |
-//! | `POST result` | 200, also when it came before; 409 when the lease is not the worker's any more; 422 when refused |
+//! | `POST leases/{lease}/{fencing}/result` | 200, also when it came before; 409 when the lease is not the worker's any more; 422 when refused |
 //! | `GET scenes/{hash}` | 200; 404 |
 //! | `GET jobs/{id}/radius/{epoch}/{region}` | 200, 304; 404 when it is not needed any more |
 //!
-//! `POST result` answers 408 when its bytes stop coming, 411 without a length, 413 when it is too long; it waits while others fill the memory
-//! that is meant for results. A worker that the coordinator does not know (any more) gets 410 and registers again. Problems are plain text.
+//! Every request but the first shows the secret, as `Authorization: Bearer SECRET`; it says which worker speaks. A result answers 408 when its bytes
+//! stop coming, 411 without a length, 413 when it is too long; it waits while others fill the memory that is meant for results, and bytes that
+//! nobody waits for are not kept. A worker that the coordinator does not know (any more) gets 410 and registers again. Problems are plain text.
 
+mod admission;
+pub mod bearer;
 mod delivery;
 mod problem;
 mod receiving;
@@ -24,25 +27,27 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::body::{Body, Bytes};
-use axum::extract::{DefaultBodyLimit, Path, Request, State};
+use axum::extract::{DefaultBodyLimit, Extension, Path, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
-use axum::middleware::{Next, from_fn_with_state};
+use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
 use axum::routing::{get, post};
 use prost::Message;
 use tokio::time::{Instant, timeout_at};
 
-use crate::farm::coordinator::{CoordinatorHandle, Limits, Shared, blocking};
+use crate::farm::coordinator::{CoordinatorHandle, Delivery, Limits, Shared, blocking};
 use crate::farm::error::FarmError;
-use crate::farm::ids::{JobId, LeaseId, WorkerId};
+use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
 use crate::farm::locks::lock;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Event};
 use crate::farm::wire::lease::{LeasedWork, ShardTerms, WorkerLease};
 use crate::farm::wire::messages::{
-    HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, RegisterRequest, RegisterResponse, ReleaseRequest,
+    HeartbeatRequest, HeartbeatResponse, LeaseResponse, RegisterRequest, RegisterResponse, ReleaseRequest,
 };
 use crate::farm::wire::{self, WireError};
+use admission::{know_worker, refuse_strangers};
+use bearer::bearer;
 use problem::Problem;
 use receiving::ResultRoom;
 
@@ -56,13 +61,14 @@ pub fn router(coordinator: CoordinatorHandle) -> Router {
     let room = ResultRoom::new(coordinator.limits());
     let messages = DefaultBodyLimit::max(coordinator.limits().message_bytes);
     Router::new()
-        .route("/register", post(register))
         .route("/lease", post(lease))
         .route("/heartbeat", post(heartbeat))
         .route("/release", post(release))
-        .route("/result", post(move |state, headers, body| result(state, room, headers, body)))
+        .route("/leases/{lease}/{fencing}/result", post(result).layer(Extension(room)))
         .route("/scenes/{hash}", get(scene))
         .route("/jobs/{id}/radius/{epoch}/{region}", get(radius_field))
+        .route_layer(from_fn_with_state(coordinator.clone(), know_worker))
+        .route("/register", post(register))
         .layer(messages)
         .layer(from_fn_with_state(coordinator.clone(), refuse_strangers))
         .with_state(coordinator)
@@ -76,19 +82,13 @@ fn written(message: &impl Message) -> Response {
     ([(header::CONTENT_TYPE, "application/x-protobuf")], message.encode_to_vec()).into_response()
 }
 
-/// Nobody's web page works on pictures here.
-async fn refuse_strangers(
+async fn register(
     State(coordinator): State<CoordinatorHandle>,
-    request: Request,
-    next: Next,
+    headers: HeaderMap,
+    body: Bytes,
 ) -> Result<Response, Problem> {
-    let names = &coordinator.shared.options.host_names;
-    visitor::check(request.method(), request.uri(), request.headers(), names)
-        .map_err(|stranger| Problem::new(StatusCode::FORBIDDEN, format!("{stranger}; {}", stranger.remedy())))?;
-    Ok(next.run(request).await)
-}
-
-async fn register(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<Response, Problem> {
+    let admitted = coordinator.caller(bearer(&headers)).and_then(|caller| caller.token_to_join());
+    let token = admitted.map_err(|denied| Problem::denied(&denied))?;
     let request: RegisterRequest = read(body)?;
     if request.build != wire::BUILD {
         let text = format!(
@@ -110,12 +110,15 @@ async fn register(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> 
     let joined = shared.apply(Event::WorkerJoined { name: request.name, threads: request.threads });
     let Answer::Joined(worker) = joined else { return Err(Problem::unknown_worker()) };
     let lease_milliseconds = shared.options.lease_duration.as_millis() as u32;
-    Ok(written(&RegisterResponse { worker: worker.number(), lease_milliseconds }))
+    let secret = shared.worker_secrets.issue(worker, token);
+    Ok(written(&RegisterResponse { worker: worker.number(), lease_milliseconds, secret }))
 }
 
-async fn lease(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<Response, Problem> {
-    let request: LeaseRequest = read(body)?;
-    let (shared, worker) = (&coordinator.shared, WorkerId::new(request.worker));
+async fn lease(
+    State(coordinator): State<CoordinatorHandle>,
+    Extension(worker): Extension<WorkerId>,
+) -> Result<Response, Problem> {
+    let shared = &coordinator.shared;
     let mut work = shared.work.subscribe();
     let deadline = Instant::now() + LEASE_WAIT;
     loop {
@@ -150,10 +153,14 @@ fn granted(shared: &Arc<Shared>, lease: &Lease) -> Result<WorkerLease, FarmError
     Ok(WorkerLease { id: lease.id, fencing: lease.fencing, job: job.description(), work })
 }
 
-async fn heartbeat(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<Response, Problem> {
+async fn heartbeat(
+    State(coordinator): State<CoordinatorHandle>,
+    Extension(worker): Extension<WorkerId>,
+    body: Bytes,
+) -> Result<Response, Problem> {
     let request: HeartbeatRequest = read(body)?;
     let leases = request.leases.into_iter().map(LeaseId::new).collect();
-    match coordinator.shared.apply(Event::HeartbeatCame { worker: WorkerId::new(request.worker), leases }) {
+    match coordinator.shared.apply(Event::HeartbeatCame { worker, leases }) {
         Answer::Alive { cancelled } => {
             let cancelled = cancelled.into_iter().map(LeaseId::number).collect();
             Ok(written(&HeartbeatResponse { cancelled }))
@@ -162,9 +169,12 @@ async fn heartbeat(State(coordinator): State<CoordinatorHandle>, body: Bytes) ->
     }
 }
 
-async fn release(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> Result<StatusCode, Problem> {
+async fn release(
+    State(coordinator): State<CoordinatorHandle>,
+    Extension(worker): Extension<WorkerId>,
+    body: Bytes,
+) -> Result<StatusCode, Problem> {
     let request: ReleaseRequest = read(body)?;
-    let worker = WorkerId::new(request.worker);
     let leases = request.leases.into_iter().map(LeaseId::new).collect();
     coordinator.shared.apply(Event::LeasesReleased { worker, leases });
     if request.leaving {
@@ -175,15 +185,22 @@ async fn release(State(coordinator): State<CoordinatorHandle>, body: Bytes) -> R
 
 async fn result(
     State(coordinator): State<CoordinatorHandle>,
-    room: ResultRoom,
+    Extension(room): Extension<ResultRoom>,
+    Extension(worker): Extension<WorkerId>,
+    Path((lease, fencing)): Path<(u64, u64)>,
     headers: HeaderMap,
     body: Body,
 ) -> Result<Response, Problem> {
+    let delivery = Delivery { worker, lease: LeaseId::new(lease), fencing: Fencing::new(fencing) };
+    if !delivery::is_awaited(&coordinator.shared, delivery) {
+        receiving::pass_over(body).await?;
+        return Ok(written(&delivery::turn_away(&coordinator.shared, delivery)?));
+    }
     let received = room.receive(&headers, body).await?;
     // The merge goes on when the worker hangs up: its result was taken.
     let shared = coordinator.shared.clone();
     let deliver = move || {
-        let response = read(received.body.clone()).and_then(|request| delivery::deliver(&shared, request));
+        let response = read(received.body.clone()).and_then(|request| delivery::deliver(&shared, delivery, request));
         drop(received);
         response
     };

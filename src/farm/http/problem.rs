@@ -3,6 +3,7 @@
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
 
+use crate::farm::access::caller::Denied;
 use crate::farm::error::FarmError;
 use crate::farm::wire::WireError;
 
@@ -21,11 +22,21 @@ impl Problem {
     pub(super) fn unknown_worker() -> Self {
         Self::new(StatusCode::GONE, "this worker is not registered; register again")
     }
+
+    /// Whoever asks may not join.
+    pub(super) fn denied(denied: &Denied) -> Self {
+        let status = match denied {
+            Denied::NoToken | Denied::UnknownToken => StatusCode::UNAUTHORIZED,
+            Denied::Scope { .. } | Denied::NotYours { .. } => StatusCode::FORBIDDEN,
+        };
+        Self::new(status, format!("{denied}; give this worker a token that was made for workers with --token-file"))
+    }
 }
 
 impl From<FarmError> for Problem {
     fn from(error: FarmError) -> Self {
         let status = match error {
+            FarmError::Denied(_) => StatusCode::FORBIDDEN,
             FarmError::UnknownScene(_) | FarmError::UnknownJob(_) | FarmError::NoPictureYet(_) => StatusCode::NOT_FOUND,
             FarmError::TooLarge { .. } => StatusCode::PAYLOAD_TOO_LARGE,
             FarmError::ShuttingDown | FarmError::Busy { .. } | FarmError::NotYet { .. } | FarmError::Store { .. } => {

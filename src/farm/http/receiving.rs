@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use axum::body::{Body, Bytes, to_bytes};
 use axum::http::{HeaderMap, StatusCode, header};
+use futures_util::StreamExt;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::problem::Problem;
@@ -24,6 +25,20 @@ pub(super) struct ResultRoom {
 pub(super) struct Received {
     pub(super) body: Bytes,
     _place: OwnedSemaphorePermit,
+}
+
+/// Lets bytes that nobody waits for pass, so that the sender reads the answer; none is kept.
+pub(super) async fn pass_over(body: Body) -> Result<(), Problem> {
+    let mut chunks = body.into_data_stream();
+    while let Some(chunk) = chunks.next().await {
+        chunk.map_err(|problem| broken(&problem))?;
+    }
+    Ok(())
+}
+
+fn broken(problem: &axum::Error) -> Problem {
+    let status = if fell_silent(problem) { StatusCode::REQUEST_TIMEOUT } else { StatusCode::BAD_REQUEST };
+    Problem::new(status, problem.to_string())
 }
 
 impl ResultRoom {
@@ -47,10 +62,7 @@ impl ResultRoom {
         let permits = length.div_ceil(PERMIT_BYTES) as u32;
         let place = self.permits.clone().acquire_many_owned(permits).await;
         let place = place.map_err(|problem| Problem::new(StatusCode::SERVICE_UNAVAILABLE, problem.to_string()))?;
-        let body = to_bytes(body, length as usize).await.map_err(|problem| {
-            let status = if fell_silent(&problem) { StatusCode::REQUEST_TIMEOUT } else { StatusCode::BAD_REQUEST };
-            Problem::new(status, problem.to_string())
-        })?;
+        let body = to_bytes(body, length as usize).await.map_err(|problem| broken(&problem))?;
         Ok(Received { body, _place: place })
     }
 }

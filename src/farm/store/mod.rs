@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `location` | where it is |
 //! | `schema` | tables, and how older stores become newer ones |
-//! | [`jobs`], [`scenes`], [`journal`] | records; durable when a call returns |
+//! | [`jobs`], [`scenes`], [`members`], [`journal`] | records; durable when a call returns |
 //! | [`blobs`] | scenes and snapshots: large, named by their hash, checked when read |
 //! | [`maintenance`] | check, export, clean up |
 //!
@@ -20,6 +20,7 @@ pub mod jobs;
 pub mod journal;
 mod location;
 pub mod maintenance;
+pub mod members;
 pub mod scenes;
 mod schema;
 

@@ -7,7 +7,9 @@ use super::error::StoreError;
 use super::location::{RecordsLocation, sqlite_address};
 
 /// Steps from no tables to the newest version; a released one never changes. Both databases understand them.
-const MIGRATIONS: &[&[&str]] = &[&[
+const MIGRATIONS: &[&[&str]] = &[FARM, ACCESS];
+
+const FARM: &[&str] = &[
     "CREATE TABLE scenes (hash TEXT PRIMARY KEY, bytes BIGINT NOT NULL, created BIGINT NOT NULL, record TEXT NOT NULL)",
     "CREATE TABLE jobs (id BIGINT PRIMARY KEY, state TEXT NOT NULL, scene TEXT NOT NULL REFERENCES scenes (hash), \
      created BIGINT NOT NULL, ended BIGINT, record TEXT NOT NULL, snapshot TEXT, earlier_snapshot TEXT, \
@@ -17,7 +19,16 @@ const MIGRATIONS: &[&[&str]] = &[&[
     "CREATE INDEX events_by_job ON events (job)",
     "CREATE TABLE workers (name TEXT PRIMARY KEY, threads BIGINT NOT NULL, first_seen BIGINT NOT NULL, \
      last_seen BIGINT NOT NULL)",
-]];
+];
+
+const ACCESS: &[&str] = &[
+    "CREATE TABLE users (name TEXT PRIMARY KEY, role TEXT NOT NULL, created BIGINT NOT NULL)",
+    "CREATE TABLE tokens (hash TEXT PRIMARY KEY, user_name TEXT REFERENCES users (name) ON DELETE CASCADE, \
+     label TEXT NOT NULL, scope TEXT NOT NULL, created BIGINT NOT NULL, expires BIGINT, \
+     parent TEXT REFERENCES tokens (hash) ON DELETE CASCADE)",
+    "CREATE INDEX tokens_by_user ON tokens (user_name)",
+    "CREATE INDEX tokens_by_parent ON tokens (parent)",
+];
 
 /// The newest version that this program knows.
 pub(super) const VERSION: i64 = MIGRATIONS.len() as i64;

@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use axum::body::{Body, to_bytes};
-use axum::http::{Method, Request, StatusCode, Uri};
+use axum::http::header::InvalidHeaderValue;
+use axum::http::{HeaderValue, Method, Request, StatusCode, Uri, header};
 use bytes::Bytes;
 use hyper_util::client::legacy;
 use hyper_util::rt::{TokioExecutor, TokioTimer};
@@ -15,6 +16,7 @@ use tokio::time::{Instant, timeout};
 
 use super::dial::Dialer;
 use super::error::WorkerError;
+use crate::farm::access::secret::Secret;
 use crate::farm::events::EVENTS;
 use crate::farm::locks::lock;
 
@@ -58,20 +60,30 @@ pub(super) struct Client {
     http: legacy::Client<Dialer, Body>,
     base: String,
     address: String,
+    /// What it shows: the token by which it joins, then its own secret.
+    authorization: Option<HeaderValue>,
     outage: Arc<Mutex<Option<Instant>>>,
 }
 
 impl Client {
-    /// A client for the coordinator at `address`.
-    pub(super) fn new(address: &str, dialer: Dialer) -> Result<Self, WorkerError> {
+    /// A client for the coordinator at `address` that has joined nothing yet.
+    pub(super) fn new(address: &str, dialer: Dialer, token: Option<&Secret>) -> Result<Self, WorkerError> {
         let bad = |problem: String| WorkerError::BadAddress { address: address.to_owned(), problem };
         let uri: Uri = address.parse().map_err(|problem: axum::http::uri::InvalidUri| bad(problem.to_string()))?;
-        if uri.scheme_str() != Some("http") || uri.host().is_none_or(str::is_empty) {
-            return Err(bad("it does not begin with http:// and a host".to_owned()));
+        if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none_or(str::is_empty) {
+            return Err(bad("it does not begin with http:// or https:// and a host".to_owned()));
         }
         let http = legacy::Client::builder(TokioExecutor::new()).pool_timer(TokioTimer::new()).build(dialer);
         let address = address.trim_end_matches('/').to_owned();
-        Ok(Self { http, base: format!("{address}/farm/v1"), address, outage: Arc::default() })
+        let authorization = token.map(|token| authorization(token.reveal())).transpose();
+        let authorization = authorization.map_err(|problem| WorkerError::Start(problem.to_string()))?;
+        Ok(Self { http, base: format!("{address}/farm/v1"), address, authorization, outage: Arc::default() })
+    }
+
+    /// The same client, as the worker that joined and was given `secret`.
+    pub(super) fn joined(&self, secret: &str) -> Result<Self, WorkerError> {
+        let authorization = authorization(secret).map_err(|problem| WorkerError::Refused(problem.to_string()))?;
+        Ok(Self { authorization: Some(authorization), ..self.clone() })
     }
 
     /// Sends a message and reads the answer as one.
@@ -92,7 +104,10 @@ impl Client {
 
     async fn call(&self, method: Method, path: &str, body: Body, patience: Duration) -> Result<Bytes, CallError> {
         let request = Request::builder().method(method).uri(format!("{}/{path}", self.base)).body(body);
-        let request = request.map_err(|problem| CallError::Unreachable(problem.to_string()))?;
+        let mut request = request.map_err(|problem| CallError::Unreachable(problem.to_string()))?;
+        if let Some(authorization) = &self.authorization {
+            request.headers_mut().insert(header::AUTHORIZATION, authorization.clone());
+        }
         let answer = async {
             let response = self.http.request(request).await.map_err(|problem| unreachable_by(&problem))?;
             let status = response.status();
@@ -126,6 +141,13 @@ impl Client {
         }
         result
     }
+}
+
+/// A secret as a header, which is left out wherever headers are printed.
+fn authorization(secret: &str) -> Result<HeaderValue, InvalidHeaderValue> {
+    let mut value = HeaderValue::try_from(format!("Bearer {secret}"))?;
+    value.set_sensitive(true);
+    Ok(value)
 }
 
 /// The innermost cause says what happened ("connection refused"); the outer ones only that something did.

@@ -7,11 +7,16 @@ use std::task::{Context, Poll};
 use std::time::Duration;
 
 use axum::http::Uri;
+use axum::http::uri::Scheme;
 use futures_util::future::BoxFuture;
 use hyper_util::client::legacy::connect::{Connected, Connection, HttpConnector};
 use hyper_util::rt::TokioIo;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
+use tokio::net::TcpStream;
 use tokio::time::timeout;
+use tokio_rustls::TlsConnector;
+pub use tokio_rustls::rustls::ClientConfig as TlsSettings;
+use tokio_rustls::rustls::pki_types::ServerName;
 use tower_service::Service;
 
 /// How long it may take to open a stream.
@@ -31,16 +36,25 @@ pub struct Dialer {
 }
 
 impl Dialer {
-    /// TCP, without Nagle's delay.
-    pub fn tcp() -> Self {
+    /// TCP, without Nagle's delay; encrypted where an address begins with `https`, for which `tls` has to be there.
+    pub fn tcp(tls: Option<Arc<TlsSettings>>) -> Self {
         let mut connector = HttpConnector::new();
         #[cfg(target_os = "linux")]
         connector.set_tcp_user_timeout(Some(SILENCE));
         connector.set_keepalive(Some(SILENCE));
         connector.set_nodelay(true);
+        connector.enforce_http(false);
+        let tls = tls.map(TlsConnector::from);
         Self::new(move |address| {
-            let connected = connector.clone().call(address);
-            async move { Ok(connected.await.map_err(io::Error::other)?.into_inner()) }
+            let (connected, tls) = (connector.clone().call(address.clone()), tls.clone());
+            async move {
+                let stream = connected.await.map_err(io::Error::other)?.into_inner();
+                if address.scheme() == Some(&Scheme::HTTPS) {
+                    encrypted(stream, &address, tls).await
+                } else {
+                    Ok(Box::pin(stream) as Pin<Box<dyn ByteStream>>)
+                }
+            }
         })
     }
 
@@ -56,6 +70,18 @@ impl Dialer {
         };
         Self { dial: Arc::new(dial) }
     }
+}
+
+/// The stream once both sides agreed on keys, and this one trusts the other.
+async fn encrypted(
+    stream: TcpStream,
+    address: &Uri,
+    tls: Option<TlsConnector>,
+) -> io::Result<Pin<Box<dyn ByteStream>>> {
+    let tls = tls.ok_or_else(|| io::Error::other("nobody says whose certificates are trusted"))?;
+    let host = address.host().unwrap_or_default().trim_start_matches('[').trim_end_matches(']').to_owned();
+    let name = ServerName::try_from(host).map_err(io::Error::other)?;
+    Ok(Box::pin(tls.connect(name, stream).await?))
 }
 
 impl Service<Uri> for Dialer {

@@ -4,7 +4,9 @@
 #[derive(Debug, thiserror::Error)]
 pub enum WorkerError {
     /// The coordinator's address is not one.
-    #[error("\"{address}\" is not an address of a coordinator ({problem}); write http://HOST:PORT")]
+    #[error(
+        "\"{address}\" is not an address of a coordinator ({problem}); write http://HOST:PORT or https://HOST:PORT"
+    )]
     BadAddress {
         /// As given.
         address: String,

@@ -14,8 +14,8 @@ use prost::Message;
 use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
 
+use crate::farm::access::secret::Secret;
 use crate::farm::events::EVENTS;
-use crate::farm::ids::WorkerId;
 use crate::farm::prepared_scenes::PreparedScenes;
 use crate::farm::wire;
 use crate::farm::wire::messages::{RegisterRequest, RegisterResponse};
@@ -37,6 +37,8 @@ pub struct WorkerOptions {
     pub name: String,
     /// Rendering threads, at least 1.
     pub threads: usize,
+    /// The token by which it joins, where the coordinator has users.
+    pub token: Option<Secret>,
     /// The prepared scenes of this process.
     pub scenes: PreparedScenes,
     /// How it reaches the coordinator.
@@ -50,13 +52,13 @@ pub async fn run_worker(options: WorkerOptions, shutdown: CancellationToken) -> 
     if options.threads == 0 {
         return Err(WorkerError::Start("0 rendering threads were asked for; give at least 1".to_owned()));
     }
-    let client = Client::new(&options.coordinator, options.dialer.clone())?;
+    let client = Client::new(&options.coordinator, options.dialer.clone(), options.token.as_ref())?;
     let pool = Arc::new(RenderPool::new(options.threads)?);
     loop {
         let registered = shutdown.run_until_cancelled(register(&client, &options)).await;
         let Some(registered) = registered.transpose()? else { return Ok(()) };
         let lease_duration = Duration::from_millis(u64::from(registered.lease_milliseconds.max(1)));
-        let (client, name) = (client.clone(), options.name.clone());
+        let (client, name) = (client.joined(&registered.secret)?, options.name.clone());
         tracing::info!(
             target: EVENTS,
             "{name} works for {} with {} threads, as number {}",
@@ -64,8 +66,7 @@ pub async fn run_worker(options: WorkerOptions, shutdown: CancellationToken) -> 
             options.threads,
             registered.worker
         );
-        let worker = WorkerId::new(registered.worker);
-        let session = Session::new(client, name, worker, lease_duration, pool.clone(), options.scenes.clone());
+        let session = Session::new(client, name, lease_duration, pool.clone(), options.scenes.clone());
         match session.run(&shutdown).await {
             SessionEnd::Shutdown => return Ok(()),
             SessionEnd::Forgotten => tracing::info!("the coordinator forgot this worker; registering again"),

@@ -21,7 +21,7 @@ use super::pool::RenderPool;
 use crate::estimate::{RadiusField, Tally};
 use crate::evaluation::{PoolStopwatch, RunError};
 use crate::farm::events::EVENTS;
-use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
+use crate::farm::ids::{Fencing, JobId, LeaseId};
 use crate::farm::locks::lock;
 use crate::farm::method_choice::{best_method, try_methods};
 use crate::farm::prepared_scenes::PreparedScenes;
@@ -29,8 +29,7 @@ use crate::farm::wire::first_surfaces;
 use crate::farm::wire::lease::{ChoiceTerms, JobDescription, LeasedWork, ShardTerms, WorkerLease, decode_lease};
 use crate::farm::wire::messages::result_request::Outcome;
 use crate::farm::wire::messages::{
-    Choice, HeartbeatRequest, HeartbeatResponse, LeaseRequest, LeaseResponse, ReleaseRequest, ResultRequest,
-    ResultResponse,
+    Choice, HeartbeatRequest, HeartbeatResponse, LeaseResponse, ReleaseRequest, ResultRequest, ResultResponse,
 };
 use crate::farm::wire::result::{encode_pilot, encode_tally};
 use crate::render::first_surface::{FirstSurface, first_surface_layers};
@@ -93,7 +92,6 @@ enum Product {
 pub(super) struct Session {
     pub(super) client: Client,
     pub(super) name: String,
-    pub(super) worker: WorkerId,
     pub(super) lease_duration: Duration,
     pub(super) pool: Arc<RenderPool>,
     cache: Cache,
@@ -109,7 +107,6 @@ impl Session {
     pub(super) fn new(
         client: Client,
         name: String,
-        worker: WorkerId,
         lease_duration: Duration,
         pool: Arc<RenderPool>,
         scenes: PreparedScenes,
@@ -117,7 +114,6 @@ impl Session {
         Arc::new(Self {
             client,
             name,
-            worker,
             lease_duration,
             pool,
             cache: Cache::new(scenes),
@@ -148,9 +144,8 @@ impl Session {
 
     async fn fetch(self: &Arc<Self>, tasks: mpsc::Sender<Task>) -> SessionEnd {
         let mut backoff = Backoff::new(&self.name);
-        let request: Bytes = LeaseRequest { worker: self.worker.number() }.encode_to_vec().into();
         while let Ok(slot) = tasks.reserve().await {
-            match self.client.post::<LeaseResponse>("lease", request.clone(), MESSAGE_TIMEOUT).await {
+            match self.client.post::<LeaseResponse>("lease", Bytes::new(), MESSAGE_TIMEOUT).await {
                 Ok(LeaseResponse { lease: Some(lease), .. }) => match self.accept(lease).await {
                     Some(task) => {
                         backoff.reset();
@@ -258,15 +253,12 @@ impl Session {
 
     /// Keeps at it through outages, until the coordinator has said yes or no.
     async fn send_result(&self, lease: LeaseId, fencing: Fencing, product: Product) {
-        let (worker, id, number) = (self.worker.number(), lease.number(), fencing.number());
-        let encode = move || {
-            let outcome = Some(product.encode());
-            Bytes::from(ResultRequest { worker, lease: id, fencing: number, outcome }.encode_to_vec())
-        };
+        let encode = move || Bytes::from(ResultRequest { outcome: Some(product.encode()) }.encode_to_vec());
         let Ok(message) = tokio::task::spawn_blocking(encode).await else { return };
+        let path = format!("leases/{lease}/{fencing}/result");
         let mut backoff = Backoff::new(&self.name);
         loop {
-            match self.client.post::<ResultResponse>("result", message.clone(), TRANSFER_TIMEOUT).await {
+            match self.client.post::<ResultResponse>(&path, message.clone(), TRANSFER_TIMEOUT).await {
                 Ok(_) => return,
                 Err(problem) if problem.is_temporary() => {
                     tracing::debug!(%lease, %problem, "a result cannot be delivered; trying again");
@@ -284,7 +276,7 @@ impl Session {
         loop {
             sleep(self.lease_duration / 3).await;
             let leases = lock(&self.held).keys().map(|lease| lease.number()).collect();
-            let message = HeartbeatRequest { worker: self.worker.number(), leases }.encode_to_vec().into();
+            let message = HeartbeatRequest { leases }.encode_to_vec().into();
             match self.client.post::<HeartbeatResponse>("heartbeat", message, MESSAGE_TIMEOUT).await {
                 Ok(answer) => self.cancel(&answer.cancelled),
                 Err(CallError::Forgotten) => return SessionEnd::Forgotten,
@@ -307,7 +299,7 @@ impl Session {
             lock(&self.held).remove(lease);
         }
         let leases = leases.into_iter().map(LeaseId::number).collect();
-        let message = ReleaseRequest { worker: self.worker.number(), leases, leaving }.encode_to_vec().into();
+        let message = ReleaseRequest { leases, leaving }.encode_to_vec().into();
         // Unheard, it only takes longer: the leases expire.
         let sent = timeout(FAREWELL, self.client.post::<()>("release", message, MESSAGE_TIMEOUT)).await;
         if !matches!(sent, Ok(Ok(()))) {

@@ -1,0 +1,70 @@
+//! Who may use which endpoint. Everything under `/v1` but logging in is behind one of these.
+
+use axum::Extension;
+use axum::extract::{FromRequestParts, Path, Request, State};
+use axum::http::request::Parts;
+use axum::http::{HeaderMap, Method, header};
+use axum::middleware::Next;
+use axum::response::Response;
+
+use super::ApiState;
+use super::extract::parse_job;
+use super::problem::Problem;
+use crate::farm::access::caller::Caller;
+use crate::farm::access::scope::Scope;
+use crate::farm::http::bearer::{bearer, text};
+use crate::farm::ids::JobId;
+
+/// The cookie by which the page stays logged in. Its value is a token.
+pub const COOKIE: &str = "photonfarm_session";
+
+/// For what everybody may look at, and those who submit may change.
+pub async fn read_or_submit(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
+    let is_reading = [Method::GET, Method::HEAD].contains(request.method());
+    pass(&state, if is_reading { Scope::Read } else { Scope::Submit }, request, next).await
+}
+
+/// For what every user may do.
+pub async fn users(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
+    pass(&state, Scope::Read, request, next).await
+}
+
+/// For what only admins may do.
+pub async fn admins(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
+    pass(&state, Scope::Admin, request, next).await
+}
+
+/// Lets a request pass with its [`Caller`] as an extension.
+async fn pass(state: &ApiState, needed: Scope, mut request: Request, next: Next) -> Result<Response, Problem> {
+    let caller = state.coordinator.caller(token(request.headers()))?;
+    caller.require(needed)?;
+    request.extensions_mut().insert(caller);
+    Ok(next.run(request).await)
+}
+
+/// The token of a request: its own, or the one in the page's cookie.
+pub fn token(headers: &HeaderMap) -> Option<&str> {
+    bearer(headers).or_else(|| session(headers))
+}
+
+/// The token in the page's cookie.
+pub fn session(headers: &HeaderMap) -> Option<&str> {
+    let cookies = text(headers, header::COOKIE)?.split(';').filter_map(|cookie| cookie.trim().split_once('='));
+    cookies.into_iter().find(|(name, _)| *name == COOKIE).map(|(_, token)| token)
+}
+
+/// The job in the address, which the caller may change: it is their own, or they are an admin.
+pub struct OwnJob(pub JobId);
+
+impl FromRequestParts<ApiState> for OwnJob {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &ApiState) -> Result<Self, Problem> {
+        let Path(id) = Path::<String>::from_request_parts(parts, state).await?;
+        let id = parse_job(&id)?;
+        let Extension(caller) =
+            Extension::<Caller>::from_request_parts(parts, state).await.map_err(Problem::of_extension)?;
+        state.coordinator.check_owner(&caller, id)?;
+        Ok(Self(id))
+    }
+}

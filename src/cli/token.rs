@@ -1,0 +1,89 @@
+//! `token`: by what users and workers are known.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Subcommand};
+
+use super::client::CoordinatorOption;
+use super::exit_code::CliError;
+use super::terminal;
+use crate::farm::access::scope::Scope;
+use crate::farm::access::token::TokenView;
+use crate::farm::access::user::UserName;
+use crate::farm::coordinator::members::TokenRequest;
+
+/// Make, list and revoke the tokens by which users and workers are known.
+#[derive(Clone, Debug, Args)]
+pub(super) struct Token {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Clone, Debug, Subcommand)]
+enum Task {
+    /// List your tokens, an admin all: id, scope, user, label, separated by tabs.
+    List {
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        coordinator: CoordinatorOption,
+    },
+    /// Make a token and print it.
+    New {
+        /// What it allows [default: what the user's role allows]. With `worker`, workers join by it, and it is nobody's.
+        #[arg(long, value_parser = scope())]
+        scope: Option<Scope>,
+        /// Whose it is [default: yours].
+        #[arg(long)]
+        user: Option<UserName>,
+        /// What it is for.
+        #[arg(long, default_value = "")]
+        label: String,
+        /// Days after which it is not taken any more [default: never].
+        #[arg(long, value_parser = clap::value_parser!(u16).range(1..=3650))]
+        days: Option<u16>,
+        /// Print JSON.
+        #[arg(long)]
+        json: bool,
+        #[command(flatten)]
+        coordinator: CoordinatorOption,
+    },
+    /// Revoke a token. Pages that were logged in with it are logged out, workers that joined by it get no more work.
+    Rm {
+        /// Its id.
+        id: String,
+        #[command(flatten)]
+        coordinator: CoordinatorOption,
+    },
+}
+
+impl Token {
+    pub(super) async fn run(self) -> Result<(), CliError> {
+        match self.task {
+            Task::List { json, coordinator } => {
+                let tokens = coordinator.client()?.tokens().await?;
+                if json {
+                    return terminal::json(&tokens);
+                }
+                tokens.iter().try_for_each(|token| terminal::result(&line(token)))
+            }
+            Task::New { scope, user, label, days, json, coordinator } => {
+                let wanted = TokenRequest { user, label, scope, days };
+                let made = coordinator.client()?.make_token(&wanted).await?;
+                if json { terminal::json(&made) } else { terminal::result(&made.secret) }
+            }
+            Task::Rm { id, coordinator } => coordinator.client()?.revoke_token(&id).await,
+        }
+    }
+}
+
+fn line(token: &TokenView) -> String {
+    let user = token.user.as_ref().map_or("-", UserName::as_str);
+    format!("{}\t{}\t{user}\t{}", token.id, token.scope.name(), token.label)
+}
+
+/// A scope by its name.
+fn scope() -> impl TypedValueParser<Value = Scope> {
+    PossibleValuesParser::new(Scope::ALL.map(Scope::name))
+        .try_map(|name| Scope::ALL.into_iter().find(|scope| scope.name() == name).ok_or("no such scope"))
+}
