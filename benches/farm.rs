@@ -6,6 +6,13 @@ use std::time::Duration;
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
 use photonfarm::estimate::{Declaration, Estimate, RadiusRule, Region};
+use photonfarm::farm::LocalFarm;
+use photonfarm::farm::access::register::Register;
+use photonfarm::farm::access::scope::{Role, Scope};
+use photonfarm::farm::access::secret::SecretHash;
+use photonfarm::farm::access::token::Token;
+use photonfarm::farm::access::user::User;
+use photonfarm::farm::access::worker_secret::WorkerSecrets;
 use photonfarm::farm::ids::{JobId, WorkerId};
 use photonfarm::farm::job::{Priority, StopRule};
 use photonfarm::farm::rules::check::CheckShare;
@@ -13,11 +20,15 @@ use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::rules::terms::Terms;
 use photonfarm::farm::rules::{Answer, Event, Outcome, Rules, RulesOptions};
 use photonfarm::farm::snapshot::{FieldKey, Snapshot, SnapshotField};
+use photonfarm::farm::wire::BUILD;
+use photonfarm::farm::wire::messages::RegisterRequest;
+use prost::Message;
 
 const WIDTH: u32 = 1920;
 const HEIGHT: u32 = 1080;
 const WORKERS: usize = 500;
 const JOBS: u64 = 100;
+const USERS: u64 = 1000;
 
 fn main() {
     divan::main();
@@ -93,4 +104,56 @@ fn serve_500_workers_once(bencher: Bencher<'_, '_>) {
         }
         rules
     });
+}
+
+/// A farm with as many users as a large studio has, each with ten tokens.
+fn register() -> Register {
+    let name = |index: u64| format!("user{index}").parse().expect("a name");
+    let users = (0..USERS).map(|index| User { name: name(index), role: Role::Artist, created: 0 }).collect();
+    let token = |index: u64| Token {
+        hash: SecretHash::of(&format!("token{index}")),
+        user: Some(name(index % USERS)),
+        label: String::new(),
+        scope: Scope::Submit,
+        created: 0,
+        expires: None,
+        parent: None,
+    };
+    Register::new(users, (0..10 * USERS).map(token).collect())
+}
+
+#[divan::bench]
+fn know_a_user_among_1000(bencher: Bencher<'_, '_>) {
+    let register = register();
+    bencher.bench_local(|| register.caller(black_box(Some("token1234")), 1).is_ok());
+}
+
+#[divan::bench]
+fn know_a_worker(bencher: Bencher<'_, '_>) {
+    let secrets = WorkerSecrets::new().expect("randomness");
+    let secret = secrets.issue(WorkerId::new(1 << 50), Some(SecretHash::of("join")));
+    bencher.bench_local(|| secrets.check(black_box(&secret)).is_some());
+}
+
+/// What Prometheus asks for, of a coordinator with a thousand workers.
+#[divan::bench(sample_count = 100, sample_size = 1)]
+fn metrics_of_1000_workers(bencher: Bencher<'_, '_>) {
+    let runtime = tokio::runtime::Runtime::new().expect("a runtime");
+    let farm = runtime.block_on(async {
+        let farm = LocalFarm::builder().workers(0).start().await.expect("a farm");
+        photonfarm::farm::tls::use_ring();
+        let http = reqwest::Client::builder().no_proxy().build().expect("a client");
+        for index in 0..1000 {
+            let request = RegisterRequest {
+                name: format!("w{index}"),
+                threads: 16,
+                build: BUILD.into(),
+                features: String::new(),
+            };
+            let register = http.post(format!("{}/farm/v1/register", farm.url())).body(request.encode_to_vec());
+            assert!(register.send().await.expect("an answer").status().is_success());
+        }
+        farm
+    });
+    bencher.bench_local(|| farm.client().metrics().expect("text").len());
 }

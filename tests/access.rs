@@ -7,8 +7,8 @@ use std::time::Duration;
 
 use http_client::http_client;
 use photonfarm::api;
-use photonfarm::farm::LocalFarm;
 use photonfarm::farm::store::{Store, StoreLocation};
+use photonfarm::farm::{CoordinatorOptions, Limits, LocalFarm, UserLimits};
 use reqwest::{Method, RequestBuilder};
 use serde_json::{Value, json};
 
@@ -25,8 +25,14 @@ type Token<'a> = Option<&'a str>;
 
 impl Farm {
     async fn start(store: Store) -> Self {
+        Self::start_with(store, Limits::default()).await
+    }
+
+    async fn start_with(store: Store, limits: Limits) -> Self {
         let routes = |coordinator, shutdown| api::router(api::ApiState { coordinator, shutdown });
-        let local = LocalFarm::builder().workers(0).store(store).routes(routes).start().await.expect("a farm");
+        let options = CoordinatorOptions { limits, ..CoordinatorOptions::default() };
+        let builder = LocalFarm::builder().workers(0).options(options).store(store);
+        let local = builder.routes(routes).start().await.expect("a farm");
         Self { base: local.url(), http: http_client(Duration::from_secs(60)), local }
     }
 
@@ -80,7 +86,7 @@ async fn operations(farm: &Farm, job: &str, scene: &str) -> Vec<(Method, String)
 }
 
 /// What anybody may do who reaches a coordinator with users.
-const PUBLIC: &[&str] = &["GET /healthz", "GET /version", "POST /v1/session", "DELETE /v1/session"];
+const PUBLIC: &[&str] = &["GET /healthz", "GET /readyz", "GET /version", "POST /v1/session", "DELETE /v1/session"];
 
 #[tokio::test(flavor = "multi_thread")]
 async fn every_endpoint_asks_who_it_is() {
@@ -150,6 +156,34 @@ async fn users_change_their_own_jobs_only() {
     assert_eq!(farm.submit(Some(&cora)).await.0, 403);
     assert_eq!(farm.status(Method::DELETE, "/v1/users/cora", Some(&anna)).await, 204);
     assert_eq!(farm.status(Method::GET, "/v1/jobs", Some(&cora)).await, 401);
+}
+
+/// Nobody but an admin fills the farm alone.
+#[tokio::test(flavor = "multi_thread")]
+async fn one_user_takes_no_more_than_their_share() {
+    let user = UserLimits { live_jobs: 2, pixels: 3 * 64 * 64, scene_bytes: SCENE.len() as u64, seconds: 60.0 };
+    let limits = Limits { user, ..Limits::default() };
+    let farm = Farm::start_with(Store::in_memory().await.expect("a store"), limits).await;
+    let anna = farm.add(None, "anna", "admin").await;
+    let ben = farm.add(Some(&anna), "ben", "artist").await;
+    let cora = farm.add(Some(&anna), "cora", "artist").await;
+    assert_eq!([farm.submit(Some(&ben)).await.0, farm.submit(Some(&ben)).await.0], [202, 202]);
+    let (status, busy) = farm.submit(Some(&ben)).await;
+    assert!(status == 429 && busy["retry_after"].is_u64(), "{busy}");
+    assert_eq!(farm.submit(Some(&cora)).await.0, 202, "others are not in the way");
+    for _ in 0..3 {
+        assert_eq!(farm.submit(Some(&anna)).await.0, 202, "an admin is not limited");
+    }
+    let job = |stop: Value, scene: String| json!({ "scene_inline": scene, "stop": stop });
+    let post = async |body: Value| farm.json(Method::POST, "/v1/jobs", Some(&cora), body).await.0;
+    assert_eq!(post(job(json!({ "seconds": 61 }), SCENE.to_owned())).await, 422);
+    let large = SCENE.replace("64", "128");
+    assert_eq!(post(job(json!({ "passes": 1 }), large)).await, 429, "a picture of too many pixels");
+    let further = format!("{SCENE}<!-- another scene -->");
+    let upload = farm.request(Method::POST, "/v1/scenes", Some(&ben)).body(further.clone());
+    assert_eq!(upload.send().await.expect("an answer").status(), 429, "ben was the first to upload the scene");
+    let upload = farm.request(Method::POST, "/v1/scenes", Some(&anna)).body(further);
+    assert_eq!(upload.send().await.expect("an answer").status(), 201);
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -376,7 +376,11 @@ async fn the_description_names_every_address() {
     paths.sort_unstable();
     let expected = [
         "/healthz",
+        "/metrics",
+        "/readyz",
+        "/v1/events",
         "/v1/jobs",
+        "/v1/jobs/validate",
         "/v1/jobs/{id}",
         "/v1/jobs/{id}/cancel",
         "/v1/jobs/{id}/chart.svg",
@@ -607,4 +611,53 @@ async fn browsers_are_told_what_not_to_do() {
     }
     let page = farm.get("/").await.text().await.expect("a page");
     assert!(!page.contains("<style") && !page.contains("onclick=") && !page.contains("<script>"), "{page}");
+}
+
+/// What Prometheus reads says the same as the API.
+#[tokio::test(flavor = "multi_thread")]
+async fn metrics_say_what_happened() {
+    let farm = Farm::start(1).await;
+    let id = farm.submit(json!({ "passes": 12 })).await;
+    let last = farm.events(&id).await.pop().expect("an event");
+    let waiting = farm.submit(json!({ "passes": 1_000_000 })).await;
+    farm.get(&format!("/v1/jobs/{waiting}/events")).await.chunk().await.expect("a first event");
+    let answer = farm.get("/metrics").await;
+    assert!(answer.headers()["content-type"].to_str().expect("text").starts_with("application/openmetrics-text"));
+    let text = answer.text().await.expect("text");
+    assert!(text.ends_with("# EOF\n") && text.matches("# EOF").count() == 1, "{text}");
+    let value = |name: &str| -> f64 {
+        let line = text.lines().find_map(|line| line.strip_prefix(&format!("photonfarm_{name} ")));
+        line.unwrap_or_else(|| panic!("no {name} in {text}")).parse().expect("a number")
+    };
+    assert!(value("photons_total") >= last["photons_emitted"].as_f64().expect("a number"), "{text}");
+    assert!(value("shards_merged_total") >= last["picture_version"].as_f64().expect("a number"), "{text}");
+    assert!(value("results_total{outcome=\"taken\"}") >= value("shards_merged_total") + 1.0, "pilots are results, too");
+    assert!(value("result_bytes_total") > 0.0 && value("merge_seconds_count") > 0.0 && value("uptime_seconds") > 0.0);
+    let workers =
+        ["idle", "working", "set_aside", "silent"].map(|state| value(&format!("workers{{state=\"{state}\"}}")));
+    assert_eq!(workers.iter().sum::<f64>(), 1.0, "{text}");
+    let jobs = ["queued", "choosing", "running", "paused"].map(|state| value(&format!("jobs{{state=\"{state}\"}}")));
+    assert_eq!(jobs.iter().sum::<f64>(), 1.0, "{text}");
+    assert_eq!(value("user_jobs{user=\"\"}"), 1.0);
+    assert_eq!(farm.get("/readyz").await.status(), 200);
+}
+
+/// Graphs and alarms ask for numbers that there are.
+#[tokio::test(flavor = "multi_thread")]
+async fn dashboards_ask_for_metrics_that_exist() {
+    let farm = Farm::start(0).await;
+    farm.submit(json!({ "passes": 1 })).await;
+    let text = farm.get("/metrics").await.text().await.expect("text");
+    let known: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split(' ').next()).collect();
+    let asked =
+        [include_str!("../deploy/grafana-dashboard.json"), include_str!("../deploy/photonfarm-alarms.yml")].concat();
+    let names = asked.match_indices("photonfarm_").map(|(at, _)| {
+        let end = asked[at..].find(|letter: char| !(letter.is_ascii_alphanumeric() || letter == '_'));
+        &asked[at..at + end.unwrap_or(asked.len() - at)]
+    });
+    let names: Vec<&str> = names.map(|name| name.trim_end_matches("_total").trim_end_matches("_bucket")).collect();
+    assert!(names.len() > 15, "{names:?}");
+    for name in names {
+        assert!(known.contains(&name), "{name} is none of {known:?}");
+    }
 }

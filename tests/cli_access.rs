@@ -127,6 +127,8 @@ fn an_admin_can_be_given_at_start() {
         ["--admin-token-file", text(&admin_file), "--worker-token-file", text(&worker_file), "--workers", "1"];
     let coordinator = Coordinator::start(&data, &further);
     assert_eq!(coordinator.printed(&admin, &["user", "list"]), "operator\tadmin");
+    let further = coordinator.printed(&admin, &["token", "new", "--scope", "read"]);
+    coordinator.printed(&further, &["jobs"]);
     let job = coordinator.printed(&admin, &["submit", SCENE, "--passes", "1", "--method", "sppm"]);
     coordinator.printed(&admin, &["watch", &job]);
     assert!(ended(&coordinator.run(&worker, &["jobs"]), 1).contains("scope read"));

@@ -305,6 +305,23 @@ fn running_farm(stop: StopRule) -> (Farm, WorkerId) {
     (farm, worker)
 }
 
+/// What is said to wait is what further workers get, and no more.
+#[test]
+fn work_that_waits_is_counted() {
+    for passes_wanted in [1, 8, 100, 5000] {
+        let (mut farm, _) = running_farm(passes(passes_wanted));
+        farm.add_job(2, passes(3));
+        let waiting = farm.rules.work_waiting();
+        let mut granted = 0;
+        for index in 0..=waiting {
+            let worker = farm.join(&format!("further {index}"));
+            granted += u64::from(farm.lease(worker).is_some());
+        }
+        assert!(waiting > 1 && granted == waiting, "{waiting} said to wait, {granted} granted");
+        assert_eq!(farm.rules.work_waiting(), 0);
+    }
+}
+
 #[test]
 fn an_expired_lease_is_fenced_and_its_work_leased_again() {
     let (mut farm, worker) = running_farm(passes(8));

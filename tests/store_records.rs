@@ -54,6 +54,17 @@ fn job(id: JobId, scene: &str) -> JobRow {
     }
 }
 
+/// Opens a store when the term of whoever led before is over.
+async fn open(location: &StoreLocation) -> Store {
+    for _ in 0..150 {
+        match Store::open(location).await {
+            Err(StoreError::InUse { .. }) => tokio::time::sleep(std::time::Duration::from_millis(100)).await,
+            opened => return opened.expect("a store"),
+        }
+    }
+    panic!("a term ends when nobody prolongs it")
+}
+
 async fn empty(store: &Store) {
     for user in store.users().await.expect("users") {
         store.delete_user(&user.name).await.expect("deleted");
@@ -74,7 +85,7 @@ async fn records_are_there_when_a_store_is_opened_again() {
     let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
     for location in locations(folder.path()) {
-        let store = Store::open(&location).await.expect("a store");
+        let store = open(&location).await;
         empty(&store).await;
         let epoch = store.epoch();
         assert!(matches!(Store::open(&location).await, Err(StoreError::InUse { .. })), "one coordinator at a time");
@@ -109,6 +120,7 @@ async fn records_are_there_when_a_store_is_opened_again() {
         let texts: Vec<&str> = lines.iter().rev().take(2).map(|row| row.text.as_str()).collect();
         assert_eq!(texts, ["two", "one"]);
         assert!(store.journal(lines.last().expect("lines").sequence, None, 100).await.expect("lines").is_empty());
+        store.close().await;
     }
 }
 
@@ -159,7 +171,7 @@ async fn ids_of_deleted_jobs_are_not_used_again() {
     let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
     for location in locations(folder.path()) {
-        let store = Store::open(&location).await.expect("a store");
+        let store = open(&location).await;
         empty(&store).await;
         store.insert_scene(&scene("aa")).await.expect("inserted");
         let id = JobId::after(store.last_job().await.expect("read"), 1_800_000_000_000);
@@ -170,6 +182,7 @@ async fn ids_of_deleted_jobs_are_not_used_again() {
         let store = Store::open(&location).await.expect("the same store");
         // The clock went back.
         assert!(JobId::after(store.last_job().await.expect("read"), 0) > id);
+        store.close().await;
     }
 }
 
@@ -178,7 +191,7 @@ async fn blobs_are_whole_or_not_there() {
     let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
     for location in locations(folder.path()) {
-        let store = Store::open(&location).await.expect("a store");
+        let store = open(&location).await;
         let blobs = store.blobs();
         let bytes: Vec<u8> = (0..9_000_000u32).map(|index| (index / 7) as u8).collect();
         let mut upload = blobs.begin_scene().await.expect("begun");
@@ -208,6 +221,7 @@ async fn blobs_are_whole_or_not_there() {
             blobs.delete(&name).await.expect("deleting twice is deleting once");
         }
         assert_eq!(blobs.list().await.expect("listed"), []);
+        store.close().await;
     }
 }
 
@@ -249,7 +263,7 @@ async fn users_and_tokens_are_kept_and_end() {
     let _turn = ONE_AT_A_TIME.lock().await;
     let folder = tempfile::tempdir().expect("a folder");
     for location in locations(folder.path()) {
-        let store = Store::open(&location).await.expect("a store");
+        let store = open(&location).await;
         empty(&store).await;
         let name: UserName = "anna".parse().expect("a name");
         let user = User { name: name.clone(), role: Role::Artist, created: 5 };
@@ -348,7 +362,7 @@ async fn a_database_that_restarts_is_waited_for() {
     let folder = tempfile::tempdir().expect("a folder");
     let location =
         StoreLocation { records: RecordsLocation::Postgres(address), ..StoreLocation::folder(folder.path()) };
-    let store = Store::open(&location).await.expect("a store");
+    let store = open(&location).await;
     let elsewhere = StoreLocation { folder: folder.path().join("elsewhere"), ..location.clone() };
     let second = Store::open(&elsewhere).await.err();
     assert!(matches!(second, Some(StoreError::InUse { .. })), "one coordinator at a time uses a database: {second:?}");
@@ -365,4 +379,55 @@ async fn a_database_that_restarts_is_waited_for() {
     }
     assert!(store.job_row(id).await.expect("a row").is_some());
     store.delete_job(id).await.expect("deleted");
+    store.close().await;
+}
+
+/// A coordinator that was thought dead changes nothing any more.
+#[tokio::test]
+async fn who_does_not_lead_any_more_cannot_write() {
+    let _turn = ONE_AT_A_TIME.lock().await;
+    let Ok(address) = std::env::var("PHOTONFARM_TEST_POSTGRES") else {
+        println!("PHOTONFARM_TEST_POSTGRES is not set: nobody is deposed");
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let location = |name: &str| StoreLocation {
+        records: RecordsLocation::Postgres(address.clone()),
+        ..StoreLocation::folder(folder.path().join(name))
+    };
+    let silent = open(&location("silent")).await;
+    empty(&silent).await;
+    silent.insert_scene(&scene("aa")).await.expect("it leads");
+    let start = std::time::Instant::now();
+    let next = loop {
+        match Store::open(&location("next")).await {
+            Ok(next) => break next,
+            Err(problem) => assert!(matches!(problem, StoreError::InUse { .. }), "{problem}"),
+        }
+        assert!(start.elapsed() < std::time::Duration::from_secs(30), "a term ends when nobody prolongs it");
+        tokio::time::sleep(std::time::Duration::from_millis(200)).await;
+    };
+    assert!(start.elapsed() > std::time::Duration::from_secs(5), "and not before");
+    assert!(next.epoch() > silent.epoch());
+    let user = User { name: "anna".parse().expect("a name"), role: Role::Admin, created: 0 };
+    let id = JobId::after(next.last_job().await.expect("a mark"), 1_900_000_000_000);
+    let refused = [
+        silent.insert_scene(&scene("bb")).await,
+        silent.delete_scene("aa").await,
+        silent.insert_job(&job(id, "aa")).await,
+        silent.update_job(&job(id, "aa")).await,
+        silent.delete_job(id).await,
+        silent.put_user(&user).await,
+        silent.renew().await,
+    ];
+    assert!(refused.iter().all(|result| matches!(result, Err(StoreError::Deposed))), "{refused:?}");
+    silent.close().await;
+    next.renew().await.expect("it leads on");
+    assert_eq!(next.scene_rows().await.expect("rows"), [scene("aa")]);
+    // Whoever has the lock of its folder knows that it is dead, and need not wait.
+    drop(next);
+    let again = Store::open(&location("next")).await.expect("the same folder");
+    again.close().await;
+    // Whoever leaves in order leaves the term to others.
+    Store::open(&location("other")).await.expect("nobody leads").close().await;
 }

@@ -42,6 +42,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("utoipa", &["farm", "api"]),
     ("utoipa_axum", &["api"]),
     ("reqwest", &["cli"]),
+    ("headers", &["api/ranges.rs"]),
     ("hyper", &["farm/http/server.rs"]),
     ("hyper_util", &["farm/worker", "farm/http/server.rs"]),
     ("tower_service", &["farm/worker"]),
@@ -51,10 +52,12 @@ const CRATES: &[(&str, &[&str])] = &[
     ("ring", &["farm/tls"]),
     ("tokio_rustls", &["farm/worker/dial.rs", "farm/http/server.rs"]),
     ("getrandom", &["farm/access/secret.rs"]),
+    ("prometheus_client", &["farm/coordinator/counters.rs", "farm/coordinator/metrics.rs"]),
     ("prost", &["farm"]),
     ("lz4_flex", &["farm/wire"]),
     ("clap", &["cli", "main.rs"]),
     ("indicatif", &["cli"]),
+    ("console", &["cli/top.rs"]),
     ("tracing_subscriber", &["cli", "main.rs"]),
 ];
 

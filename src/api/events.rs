@@ -1,25 +1,35 @@
-//! A job's status as it changes, as server-sent events.
+//! Jobs as they change, as server-sent events. Every event has an id; a stream that is opened again with `Last-Event-ID` tells what was missed.
 
 use std::convert::Infallible;
 use std::time::Duration;
 
+use axum::Extension;
 use axum::extract::State;
+use axum::http::{HeaderMap, HeaderName};
 use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
-use futures_util::stream::{self, Stream};
+use futures_util::stream::{self, Stream, StreamExt};
+use serde_json::json;
 use tokio::sync::watch;
-use tokio_util::sync::CancellationToken;
 
 use super::ApiState;
 use super::extract::{PathValue, parse_job};
 use super::jobs::JobView;
 use super::problem::Problem;
-use crate::farm::job::JobStatus;
+use crate::farm::access::caller::Caller;
+use crate::farm::http::bearer::text;
+use crate::farm::job::{Changes, JobStatus};
 
-/// The least time between two events of a stream: about five a second.
+/// The least time between two events of a job, and between two looks at all jobs: about five a second.
 const EVENT_INTERVAL: Duration = Duration::from_millis(200);
 /// How often a silent stream says that it lives, so that proxies do not cut it.
 const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(15);
+
+type Events<S> = Sse<axum::response::sse::KeepAliveStream<S>>;
+
+fn keep_alive() -> KeepAlive {
+    KeepAlive::new().interval(KEEP_ALIVE_INTERVAL)
+}
 
 /// Streams `status` events with the job's status, at once and on every change, at most about five a second. The stream
 /// ends with the job's final state.
@@ -34,40 +44,118 @@ const KEEP_ALIVE_INTERVAL: Duration = Duration::from_secs(15);
 )]
 pub async fn job_events(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     PathValue(id): PathValue<String>,
-) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
+) -> Result<Events<impl Stream<Item = Result<Event, Infallible>>>, Problem> {
     let receiver = state.coordinator.watch(parse_job(&id)?)?;
-    let keep_alive = KeepAlive::new().interval(KEEP_ALIVE_INTERVAL);
-    Ok(Sse::new(status_events(receiver, state.shutdown)).keep_alive(keep_alive))
+    let following = Following { receiver, state, caller, progress: Progress::Start };
+    Ok(Sse::new(status_events(following)).keep_alive(keep_alive()))
 }
 
-/// Where a stream stands.
+/// Where a stream of one job stands.
 enum Progress {
     Start,
     Following,
     Ended,
 }
 
-fn status_events(
+struct Following {
     receiver: watch::Receiver<JobStatus>,
-    shutdown: CancellationToken,
-) -> impl Stream<Item = Result<Event, Infallible>> {
-    stream::unfold((receiver, shutdown, Progress::Start), |(mut receiver, shutdown, progress)| async move {
-        match progress {
+    state: ApiState,
+    caller: Caller,
+    progress: Progress,
+}
+
+fn status_events(following: Following) -> impl Stream<Item = Result<Event, Infallible>> {
+    stream::unfold(following, |mut following| async move {
+        match following.progress {
             Progress::Ended => return None,
             Progress::Start => {}
             Progress::Following => {
                 let next = async {
                     tokio::time::sleep(EVENT_INTERVAL).await;
-                    receiver.changed().await.ok()
+                    following.receiver.changed().await.ok()
                 };
-                shutdown.run_until_cancelled(next).await??;
+                following.state.shutdown.run_until_cancelled(next).await??;
             }
         }
-        let status = receiver.borrow_and_update().clone();
-        let progress = if status.state.is_final() { Progress::Ended } else { Progress::Following };
+        if !following.state.coordinator.knows(&following.caller) {
+            return None;
+        }
+        let status = following.receiver.borrow_and_update().clone();
+        following.progress = if status.state.is_final() { Progress::Ended } else { Progress::Following };
         // A status is plain data with string keys; it always has a JSON form.
         let event = Event::default().event("status").json_data(JobView::from(status)).ok()?;
-        Some((Ok(event), (receiver, shutdown, progress)))
+        Some((Ok(event), following))
     })
+}
+
+/// Streams all jobs: first each that there is, then each that changes, as `status` events; `deleted` events, each with an id; and `reset` when too
+/// much was missed, and what was known before is to be forgotten. With `Last-Event-ID` it begins with what was missed.
+#[utoipa::path(
+    get, path = "/events", tag = "jobs",
+    params(("Last-Event-ID" = Option<String>, Header, description = "The id of the last event that was received")),
+    responses((status = 200, description = "Events named status, deleted and reset", body = JobView, content_type = "text/event-stream"))
+)]
+pub async fn all_events(
+    State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
+    headers: HeaderMap,
+) -> Events<impl Stream<Item = Result<Event, Infallible>>> {
+    let last = text(&headers, HeaderName::from_static("last-event-id"));
+    let run = state.coordinator.run();
+    // Numbers of an earlier run say nothing.
+    let seen = last.and_then(|id| id.split_once('-')).filter(|(earlier, _)| *earlier == run.to_string());
+    let seen = seen.and_then(|(_, number)| number.parse().ok());
+    let newest = state.coordinator.watch_changes();
+    let is_lost = last.is_some() && seen.is_none();
+    let watching = Watching { newest, state, caller, run, seen: seen.unwrap_or(0), is_first: true, is_lost };
+    Sse::new(change_events(watching).flat_map(stream::iter)).keep_alive(keep_alive())
+}
+
+/// Where a stream of all jobs stands.
+struct Watching {
+    newest: watch::Receiver<u64>,
+    state: ApiState,
+    caller: Caller,
+    run: u64,
+    seen: u64,
+    is_first: bool,
+    /// Whether the client knows something that is not known here.
+    is_lost: bool,
+}
+
+fn change_events(watching: Watching) -> impl Stream<Item = Vec<Result<Event, Infallible>>> {
+    stream::unfold(watching, |mut watching| async move {
+        if !watching.is_first {
+            let next = async {
+                tokio::time::sleep(EVENT_INTERVAL).await;
+                watching.newest.changed().await.ok()
+            };
+            watching.state.shutdown.run_until_cancelled(next).await??;
+        }
+        if !watching.state.coordinator.knows(&watching.caller) {
+            return None;
+        }
+        watching.newest.mark_unchanged();
+        let changes = watching.state.coordinator.changes(watching.seen);
+        let is_reset = changes.is_reset || watching.is_lost;
+        (watching.is_first, watching.is_lost, watching.seen) = (false, false, changes.newest);
+        let id = format!("{}-{}", watching.run, changes.newest);
+        Some((events(changes, is_reset, &id), watching))
+    })
+}
+
+/// Only the last event of a batch has an id: whoever receives a part of it gets the whole batch again.
+fn events(changes: Changes, is_reset: bool, id: &str) -> Vec<Result<Event, Infallible>> {
+    let reset = is_reset.then(|| Event::default().event("reset").data("{}"));
+    let deleted = changes.deleted.into_iter().map(|job| (json!({ "id": job.to_string() }), "deleted"));
+    let deleted = deleted.filter_map(|(data, name)| Event::default().event(name).json_data(data).ok());
+    let statuses = changes.jobs.into_iter().map(JobView::from);
+    let statuses = statuses.filter_map(|job| Event::default().event("status").json_data(job).ok());
+    let mut events: Vec<Event> = reset.into_iter().chain(deleted).chain(statuses).collect();
+    if let Some(last) = events.pop() {
+        events.push(last.id(id));
+    }
+    events.into_iter().map(Ok).collect()
 }

@@ -10,6 +10,7 @@ use utoipa::{IntoParams, PartialSchema};
 use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
 use super::problem::Problem;
+use super::ranges::image;
 use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_png};
 use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::FarmError;
@@ -54,9 +55,13 @@ impl IntoParams for ExrQuery {
     responses(
         (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/png",
             headers(("ETag" = String))),
+        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/png"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn image_png(
@@ -79,7 +84,7 @@ pub async fn image_png(
     let (picture, status) = state.coordinator.picture(id).await?;
     let tag = etag(&status, &variant);
     let bytes = encode(move || encode_png(&picture, query.exposure)).await?;
-    Ok(image("image/png", &tag, bytes))
+    Ok(image("image/png", &tag, bytes, &headers))
 }
 
 /// The picture so far as 32-bit float EXR, linear, with the job in its header.
@@ -89,9 +94,13 @@ pub async fn image_png(
     responses(
         (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/x-exr",
             headers(("ETag" = String))),
+        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/x-exr"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
+        (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn image_exr(
@@ -110,7 +119,7 @@ pub async fn image_exr(
     let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
     let tag = etag(&status, &variant);
     let bytes = encode(move || encode_exr(&picture, &layers, &metadata_of(&status))).await?;
-    Ok(image("image/x-exr", &tag, bytes))
+    Ok(image("image/x-exr", &tag, bytes, &headers))
 }
 
 /// The job's own error estimate over time, as a chart.
@@ -138,7 +147,7 @@ pub async fn chart_svg(
     let history: Vec<JobPoint> = state.coordinator.error_history(id)?.into_iter().map(point).collect();
     let (tag, title) = (etag(&status, "svg"), format!("{id}: {}", status.method));
     let svg = encode(move || to_svg(&draw_job(&title, &history, status.stop.error))).await?;
-    Ok(image("image/svg+xml", &tag, svg.into_bytes()))
+    Ok(image("image/svg+xml", &tag, svg.into_bytes(), &headers))
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]
@@ -187,9 +196,4 @@ pub(super) fn unchanged(status: &JobStatus, variant: &str, headers: &HeaderMap) 
     matches.then(|| {
         (StatusCode::NOT_MODIFIED, [(header::ETAG, tag)], [(header::CACHE_CONTROL, "no-cache")]).into_response()
     })
-}
-
-pub(super) fn image(content_type: &'static str, tag: &str, bytes: Vec<u8>) -> Response {
-    let headers = [(header::CONTENT_TYPE, content_type), (header::CACHE_CONTROL, "no-cache"), (header::ETAG, tag)];
-    (headers, bytes).into_response()
 }

@@ -1,7 +1,7 @@
 //! Jobs that are there: paused, resumed, extended, copied, renamed, deleted.
 
 use axum::extract::State;
-use axum::http::StatusCode;
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
 use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
@@ -11,6 +11,7 @@ use super::ApiState;
 use super::extract::{JsonBody, PathValue, parse_job};
 use super::guard::OwnJob;
 use super::jobs::{JobView, accepted};
+use super::preferences::{Preferences, check_version};
 use super::problem::Problem;
 use crate::farm::access::caller::Caller;
 use crate::farm::coordinator::JobChanges;
@@ -56,9 +57,13 @@ pub struct CloneRequest {
 /// Changes name, tags or priority of a job.
 #[utoipa::path(
     patch, path = "/jobs/{id}", tag = "jobs", request_body = JobPatch,
-    params(("id" = String, Path, description = "The job's id")),
+    params(
+        ("id" = String, Path, description = "The job's id"),
+        ("If-Match" = Option<String>, Header, description = "The ETag of the job that is meant to be changed"),
+    ),
     responses(
-        (status = 200, description = "Its status afterwards", body = JobView),
+        (status = 200, description = "Its status afterwards", body = JobView, headers(("ETag" = String))),
+        (status = 412, description = "It was changed since", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
     )
@@ -66,10 +71,13 @@ pub struct CloneRequest {
 pub async fn change_job(
     State(state): State<ApiState>,
     OwnJob(id): OwnJob,
+    headers: HeaderMap,
     JsonBody(patch): JsonBody<JobPatch>,
-) -> Result<Json<JobView>, Problem> {
+) -> Result<Response, Problem> {
+    check_version(&state.coordinator.job(id)?, &headers)?;
     let JobPatch { name, tags, priority } = patch;
-    Ok(Json(state.coordinator.change(id, JobChanges { name, tags, priority }).await?.into()))
+    let changed = state.coordinator.change(id, JobChanges { name, tags, priority }).await?;
+    Ok(Preferences::default().answer(StatusCode::OK, changed))
 }
 
 /// Stops issuing work of a job. What is being traced is still merged.
@@ -123,8 +131,14 @@ pub async fn extend_job(
 /// Submits a copy of a job, also of somebody else's, with some differences.
 #[utoipa::path(
     post, path = "/jobs/{id}/clone", tag = "jobs", request_body = CloneRequest,
-    params(("id" = String, Path, description = "The job's id")),
+    params(
+        ("id" = String, Path, description = "The job's id"),
+        ("Idempotency-Key" = Option<String>, Header, description = "The same key again answers the job that there is"),
+        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds"),
+    ),
     responses(
+        (status = 200, description = "It has ended, and Prefer: wait waited for that", body = JobView,
+            headers(("Location" = String))),
         (status = 202, description = "Checked and queued", body = JobView, headers(("Location" = String))),
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
@@ -133,6 +147,7 @@ pub async fn extend_job(
 pub async fn clone_job(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
+    preferences: Preferences,
     PathValue(id): PathValue<String>,
     JsonBody(changes): JsonBody<CloneRequest>,
 ) -> Result<Response, Problem> {
@@ -147,7 +162,7 @@ pub async fn clone_job(
     request.stop = stop.unwrap_or(request.stop);
     request.seed = seed.unwrap_or(request.seed);
     request.name = name.or(request.name);
-    accepted(&state, &caller, request).await
+    accepted(&state, &caller, preferences, request).await
 }
 
 /// Deletes a job and its pictures. One that runs is cancelled first.

@@ -12,6 +12,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::ApiState;
 use super::extract::{JsonBody, PathValue, QueryValues, parse_job};
 use super::guard::OwnJob;
+use super::preferences::Preferences;
 use super::problem::Problem;
 use crate::farm::FarmError;
 use crate::farm::access::caller::Caller;
@@ -142,7 +143,13 @@ impl From<JobStatus> for JobView {
 /// Submits a job.
 #[utoipa::path(
     post, path = "/jobs", tag = "jobs", request_body = JobSubmission,
+    params(
+        ("Idempotency-Key" = Option<String>, Header, description = "The same key again answers the job that there is"),
+        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds"),
+    ),
     responses(
+        (status = 200, description = "It has ended, and Prefer: wait waited for that", body = JobView,
+            headers(("Location" = String))),
         (status = 202, description = "Checked and queued", body = JobView, headers(("Location" = String))),
         (status = 400, description = "Not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "More than /v1/limits allows", body = Problem, content_type = "application/problem+json"),
@@ -157,19 +164,75 @@ impl From<JobStatus> for JobView {
 pub async fn submit_job(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
-    JsonBody(submission): JsonBody<JobSubmission>,
+    preferences: Preferences,
+    JsonBody(mut submission): JsonBody<JobSubmission>,
 ) -> Result<Response, Problem> {
-    let scene = match (submission.scene, submission.scene_inline) {
+    let scene = match (submission.scene.take(), submission.scene_inline.take()) {
         (Some(hash), None) => hash,
         (None, Some(scene)) => state.coordinator.add_scene_of(inline_scene_bytes(scene)?, &caller).await?.hash,
-        (found, _) => {
-            let detail = if found.is_some() { "the job has two scenes" } else { "the job has no scene" };
-            return Err(Problem::bad_request(detail, "give either scene (a hash) or scene_inline"));
-        }
+        (found, _) => return Err(one_scene(found.is_some())),
     };
-    let JobSubmission { method, parameters, stop, seed, name, tags, priority, .. } = submission;
-    let request = JobRequest { scene, method, parameters, stop, seed, name, tags, priority };
-    accepted(&state, &caller, request).await
+    let request = submission.request(scene);
+    accepted(&state, &caller, preferences, request).await
+}
+
+/// What would become of a job.
+#[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
+pub struct Validation {
+    /// Hash of its scene.
+    pub scene: String,
+    /// Its method, `auto` where trials would choose it.
+    pub method: String,
+    /// All parameters of the method, defaults written out.
+    #[schema(value_type = Object)]
+    pub parameters: serde_json::Map<String, serde_json::Value>,
+    /// Its stop rule.
+    pub stop: StopRule,
+    /// Picture width, pixels.
+    pub width: u32,
+    /// Picture height, pixels.
+    pub height: u32,
+    /// Things the user should know, one sentence each.
+    pub notices: Vec<String>,
+}
+
+/// Tells what would become of a job, or what is wrong with it. Nothing is kept or traced.
+#[utoipa::path(
+    post, path = "/jobs/validate", tag = "jobs", request_body = JobSubmission,
+    responses(
+        (status = 200, description = "It can be rendered", body = Validation),
+        (status = 400, description = "Not JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 413, description = "More than /v1/limits allows", body = Problem, content_type = "application/problem+json"),
+        (status = 415, description = "Not said to be JSON", body = Problem, content_type = "application/problem+json"),
+        (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn validate_job(
+    State(state): State<ApiState>,
+    JsonBody(mut submission): JsonBody<JobSubmission>,
+) -> Result<Json<Validation>, Problem> {
+    let (hash, inline) = match (submission.scene.take(), submission.scene_inline.take()) {
+        (Some(hash), None) => (hash, None),
+        (None, Some(scene)) => (String::new(), Some(inline_scene_bytes(scene)?)),
+        (found, _) => return Err(one_scene(found.is_some())),
+    };
+    let checked = state.coordinator.validate(submission.request(hash), inline).await.map_err(submission_problem)?;
+    let JobStatus { scene, method, parameters, stop, width, height, notices, .. } = checked;
+    Ok(Json(Validation { scene, method, parameters, stop, width, height, notices }))
+}
+
+/// A job has exactly one scene.
+fn one_scene(has_two: bool) -> Problem {
+    let detail = if has_two { "the job has two scenes" } else { "the job has no scene" };
+    Problem::bad_request(detail, "give either scene (a hash) or scene_inline")
+}
+
+impl JobSubmission {
+    /// The same with a scene that is there.
+    fn request(self, scene: String) -> JobRequest {
+        let Self { method, parameters, stop, seed, name, tags, priority, .. } = self;
+        JobRequest { scene, method, parameters, stop, seed, name, tags, priority }
+    }
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]
@@ -228,17 +291,22 @@ pub async fn list_jobs(
 /// Tells how a job is doing.
 #[utoipa::path(
     get, path = "/jobs/{id}", tag = "jobs",
-    params(("id" = String, Path, description = "The job's id")),
+    params(
+        ("id" = String, Path, description = "The job's id"),
+        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds"),
+    ),
     responses(
-        (status = 200, description = "Its status", body = JobView),
+        (status = 200, description = "Its status", body = JobView, headers(("ETag" = String))),
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub async fn show_job(
     State(state): State<ApiState>,
+    preferences: Preferences,
     PathValue(id): PathValue<String>,
-) -> Result<Json<JobView>, Problem> {
-    Ok(Json(state.coordinator.job(parse_job(&id)?)?.into()))
+) -> Result<Response, Problem> {
+    let status = preferences.wait_for(&state, parse_job(&id)?).await?;
+    Ok(preferences.answer(StatusCode::OK, status))
 }
 
 /// Stops a job and keeps its picture. A job that has ended already stays as it is.
@@ -254,10 +322,16 @@ pub async fn cancel_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Re
     Ok(Json(state.coordinator.cancel(id).await?.into()))
 }
 
-/// Submits a job and says where it is.
-pub(super) async fn accepted(state: &ApiState, caller: &Caller, request: JobRequest) -> Result<Response, Problem> {
-    let id = state.coordinator.submit_of(request, caller).await.map_err(submission_problem)?;
-    let view = JobView::from(state.coordinator.job(id)?);
-    let location = view.links.this.clone();
-    Ok((StatusCode::ACCEPTED, [(header::LOCATION, location)], Json(view)).into_response())
+/// Submits a job and says where it is. It is 200 when it has ended already, because that was waited for.
+pub(super) async fn accepted(
+    state: &ApiState,
+    caller: &Caller,
+    preferences: Preferences,
+    request: JobRequest,
+) -> Result<Response, Problem> {
+    let id = state.coordinator.submit_of(request, caller, preferences.key.clone()).await.map_err(submission_problem)?;
+    let job = preferences.wait_for(state, id).await?;
+    let location = format!("/v1/jobs/{id}");
+    let status = if job.state.is_final() { StatusCode::OK } else { StatusCode::ACCEPTED };
+    Ok(([(header::LOCATION, location)], preferences.answer(status, job)).into_response())
 }

@@ -8,8 +8,9 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
-use super::images::{etag, image, unchanged};
+use super::images::{etag, unchanged};
 use super::problem::Problem;
+use super::ranges::image;
 use crate::estimate::picture_files::{Channels, LUMINANCE, Layer, LayerRow, LayerValues, PictureFileError};
 use crate::evaluation::chart::{CanvasError, Drawing, ScaleError, ScaleRequest, Spacing, draw_layer, to_png, to_svg};
 use crate::farm::FarmError;
@@ -75,9 +76,12 @@ impl MapQuery {
     responses(
         (status = 200, description = "The map so far", body = Vec<u8>, content_type = "image/png",
             headers(("ETag" = String))),
+        (status = 206, description = "The part of it that Range names", body = Vec<u8>),
         (status = 304, description = "The same as If-None-Match names"),
+        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, no picture yet, or no value in the layer yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "No such layer, or an impossible scale", body = Problem,
             content_type = "application/problem+json"),
     )
@@ -98,9 +102,12 @@ pub async fn map_png(
     responses(
         (status = 200, description = "The map so far", body = String, content_type = "image/svg+xml",
             headers(("ETag" = String))),
+        (status = 206, description = "The part of it that Range names", body = Vec<u8>),
         (status = 304, description = "The same as If-None-Match names"),
+        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, no picture yet, or no value in the layer yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "No such layer, or an impossible scale", body = Problem,
             content_type = "application/problem+json"),
     )
@@ -139,7 +146,7 @@ async fn map(
     });
     let drawn = drawn.await.map_err(|error| FarmError::Internal(error.to_string()))?;
     let bytes = drawn.map_err(|problem| *problem)?;
-    Ok(image(media_type, &tag, bytes))
+    Ok(image(media_type, &tag, bytes, &headers))
 }
 
 fn draw(

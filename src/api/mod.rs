@@ -3,28 +3,35 @@
 //! | file | what |
 //! |---|---|
 //! | [`problem`] | every error answer, `application/problem+json` |
+//! | `ranges` | parts of pictures |
+//! | [`preferences`] | headers by which programs say how to be served |
 //! | [`extract`] | path, query and body of a request, with errors as problems |
-//! | [`headers`] | what every answer tells browsers not to do |
+//! | [`security_headers`] | what every answer tells browsers not to do |
 //! | [`guard`] | who may use which endpoint |
 //! | [`session`], [`members`] | who one is; users and tokens |
-//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`], [`metrics`] | the endpoints |
+//! | [`standby`] | what is answered while another coordinator leads |
 //! | [`openapi`] | the description of all this, generated from the handlers |
 
 pub mod dashboard;
 pub mod events;
 pub mod extract;
 pub mod guard;
-pub mod headers;
 pub mod images;
 pub mod job_control;
 pub mod jobs;
 pub mod maps;
 pub mod members;
 pub mod methods;
+pub mod metrics;
 pub mod openapi;
+pub mod preferences;
 pub mod problem;
+mod ranges;
 pub mod scenes;
+pub mod security_headers;
 pub mod session;
+pub mod standby;
 pub mod workers;
 
 use axum::Router;
@@ -60,7 +67,7 @@ pub fn router(state: ApiState) -> Router {
         .fallback(problem::not_found)
         .method_not_allowed_fallback(problem::method_not_allowed)
         .layer(from_fn_with_state(state, refuse_strangers))
-        .layer(map_response(headers::add))
+        .layer(map_response(security_headers::add))
 }
 
 /// Nobody's web page changes anything here, or reads it under a name that was pointed here.
@@ -74,8 +81,10 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
     let uploads = OpenApiRouter::new()
         .routes(routes!(scenes::list_scenes, scenes::upload_scene))
         .layer(bytes(limits.scene_bytes));
-    let submissions =
-        OpenApiRouter::new().routes(routes!(jobs::list_jobs, jobs::submit_job)).layer(bytes(limits.job_bytes));
+    let submissions = OpenApiRouter::new()
+        .routes(routes!(jobs::list_jobs, jobs::submit_job))
+        .routes(routes!(jobs::validate_job))
+        .layer(bytes(limits.job_bytes));
     let version_1 = OpenApiRouter::new()
         .merge(uploads)
         .merge(submissions)
@@ -87,6 +96,7 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(job_control::clone_job))
         .routes(routes!(jobs::cancel_job))
         .routes(routes!(events::job_events))
+        .routes(routes!(events::all_events))
         .routes(routes!(images::image_png))
         .routes(routes!(images::image_exr))
         .routes(routes!(images::chart_svg))
@@ -99,8 +109,13 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .route_layer(from_fn_with_state(state.clone(), guard::read_or_submit))
         .merge(member_routes(state))
         .routes(routes!(session::log_in, session::log_out));
+    let watched = OpenApiRouter::new()
+        .routes(routes!(metrics::metrics))
+        .route_layer(from_fn_with_state(state.clone(), guard::users));
     OpenApiRouter::with_openapi(openapi::Description::openapi())
+        .merge(watched)
         .routes(routes!(workers::health))
+        .routes(routes!(workers::readiness))
         .routes(routes!(workers::version))
         .nest("/v1", version_1)
 }

@@ -8,10 +8,10 @@ use utoipa::{IntoParams, ToSchema};
 use super::ApiState;
 use super::extract::{QueryValues, parse_job};
 use super::problem::Problem;
-use crate::farm::Limits;
 use crate::farm::job::WorkerStatus;
 use crate::farm::store::journal::JournalRow;
 use crate::farm::wire::BUILD;
+use crate::farm::{FarmError, Limits};
 
 /// All workers.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
@@ -44,6 +44,18 @@ pub async fn list_workers(State(state): State<ApiState>) -> Json<WorkerList> {
 #[utoipa::path(get, path = "/healthz", tag = "health", responses((status = 200, description = "Well", body = Health)))]
 pub async fn health() -> Json<Health> {
     Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION"), build: BUILD })
+}
+
+/// Answers 200 while jobs and workers are taken here.
+#[utoipa::path(
+    get, path = "/readyz", tag = "health",
+    responses(
+        (status = 200, description = "Ready", body = Health),
+        (status = 503, description = "It stops, or stands by", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn readiness(State(state): State<ApiState>) -> Result<Json<Health>, Problem> {
+    if state.coordinator.is_closed() { Err(FarmError::ShuttingDown.into()) } else { Ok(health().await) }
 }
 
 /// What this program is.

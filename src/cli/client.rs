@@ -3,12 +3,13 @@
 mod members;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use clap::Args;
 use reqwest::header::{HeaderMap, HeaderValue};
 use reqwest::redirect::Policy;
-use reqwest::{Method, RequestBuilder, Response, StatusCode, header};
+use reqwest::{Method, Request, RequestBuilder, Response, StatusCode, Url, header};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -36,7 +37,7 @@ const WAITS: u32 = 30;
 /// Which coordinator to speak to.
 #[derive(Clone, Debug, Args)]
 pub(super) struct CoordinatorOption {
-    /// Address of the coordinator.
+    /// Address of the coordinator; of several that stand in for each other, separated by commas.
     #[arg(long, env = "PHOTONFARM_URL", default_value = "http://127.0.0.1:8080", value_name = "URL")]
     coordinator: String,
     #[command(flatten)]
@@ -56,7 +57,9 @@ impl CoordinatorOption {
 #[derive(Clone, Debug)]
 pub(super) struct Client {
     http: reqwest::Client,
-    base: String,
+    bases: Vec<Url>,
+    /// Which of them answered last.
+    current: Arc<AtomicUsize>,
 }
 
 #[derive(Deserialize)]
@@ -81,12 +84,7 @@ struct WorkerList {
 
 impl Client {
     pub(super) fn new(base: &str, token: Option<&Secret>, tls: Option<Arc<TlsSettings>>) -> Result<Self, CliError> {
-        let base = base.trim_end_matches('/').to_owned();
-        if !base.starts_with("http://") && tls.is_none() {
-            let text =
-                format!("\"{base}\" is not the address of a coordinator; write http://HOST:PORT or https://HOST:PORT");
-            return Err(CliError::Unreachable(text));
-        }
+        let bases = base.split(',').map(|base| address(base.trim())).collect::<Result<Vec<_>, _>>()?;
         tls::use_ring();
         // Coordinators stand in the same network; a proxy would only be in the way of live events.
         let builder = reqwest::Client::builder();
@@ -103,7 +101,7 @@ impl Client {
             .default_headers(authorization(token)?)
             .build();
         let http = http.map_err(|error| CliError::Failed(format!("cannot start the HTTP client: {error}")))?;
-        Ok(Self { http, base })
+        Ok(Self { http, bases, current: Arc::default() })
     }
 
     /// Uploads a scene and tells its hash.
@@ -130,6 +128,12 @@ impl Client {
 
     pub(super) async fn workers(&self) -> Result<Vec<WorkerStatus>, CliError> {
         Ok(self.json::<WorkerList>(self.request(Method::GET, "/v1/workers")).await?.workers)
+    }
+
+    /// Asks an address that answers with 200 when all is well.
+    pub(super) async fn check(&self, path: &str) -> Result<(), CliError> {
+        accepted(self.send(self.request(Method::GET, path)).await?).await?;
+        Ok(())
     }
 
     /// Does something to a job that needs no more than its name (`/cancel`, `/pause`, `/resume`).
@@ -190,7 +194,7 @@ impl Client {
             match stream.await {
                 Ok(Some(status)) => return Ok(status),
                 Ok(None) if failures >= RECONNECTS => {
-                    let text = format!("{} ends the events of job {id} too early; try again", self.base);
+                    let text = format!("{} ends the events of job {id} too early; try again", self.base());
                     return Err(CliError::Unreachable(text));
                 }
                 Err(CliError::Unreachable(_)) if failures < RECONNECTS => {}
@@ -223,11 +227,41 @@ impl Client {
     }
 
     fn request(&self, method: Method, path: &str) -> RequestBuilder {
-        self.http.request(method, format!("{}{path}", self.base))
+        let address = self.base().join(path).map_or_else(|problem| problem.to_string(), String::from);
+        self.http.request(method, address)
     }
 
+    /// Where somebody answered last.
+    fn base(&self) -> &Url {
+        // There is at least one: splitting a text gives one.
+        &self.bases[self.current.load(Ordering::Relaxed) % self.bases.len()]
+    }
+
+    /// Sends a request to the one that leads; where several may, each is asked once.
     async fn send(&self, request: RequestBuilder) -> Result<Response, CliError> {
-        request.send().await.map_err(|error| self.unreachable(&error))
+        let mut request = request.build().map_err(|error| self.unreachable(&error))?;
+        let mut left = self.bases.len();
+        loop {
+            left -= 1;
+            let again = if left > 0 { request.try_clone() } else { None };
+            let answer = self.http.execute(request).await;
+            let is_elsewhere =
+                answer.as_ref().map_or(true, |answer| answer.status() == StatusCode::SERVICE_UNAVAILABLE);
+            match again.filter(|_| is_elsewhere) {
+                None => return answer.map_err(|error| self.unreachable(&error)),
+                Some(next) => request = self.for_next(next),
+            }
+        }
+    }
+
+    /// The same request for the next address.
+    fn for_next(&self, mut request: Request) -> Request {
+        self.current.fetch_add(1, Ordering::Relaxed);
+        let mut address = self.base().clone();
+        address.set_path(request.url().path());
+        address.set_query(request.url().query());
+        *request.url_mut() = address;
+        request
     }
 
     async fn send_json<T: DeserializeOwned>(
@@ -254,16 +288,24 @@ impl Client {
         CliError::Unreachable(format!(
             "no coordinator answers at {} ({cause}); start one with `photonfarm serve`, or give its address with \
              --coordinator or PHOTONFARM_URL",
-            self.base
+            self.base()
         ))
     }
 
     fn not_a_coordinator(&self, error: &serde_json::Error) -> CliError {
         CliError::Unreachable(format!(
             "{} does not answer as a coordinator of this version ({error}); check the address and the versions",
-            self.base
+            self.base()
         ))
     }
+}
+
+fn address(text: &str) -> Result<Url, CliError> {
+    let address = Url::parse(text).ok().filter(|url| matches!(url.scheme(), "http" | "https") && url.has_host());
+    address.ok_or_else(|| {
+        let remedy = "write http://HOST:PORT or https://HOST:PORT";
+        CliError::Unreachable(format!("\"{text}\" is not the address of a coordinator; {remedy}"))
+    })
 }
 
 /// What every request shows. It is left out wherever headers are printed.

@@ -11,6 +11,7 @@ mod exit_code;
 mod extend;
 mod farm_options;
 mod fetch;
+mod health;
 mod import;
 mod job_options;
 mod jobs;
@@ -38,6 +39,7 @@ mod terminal;
 mod tls_options;
 mod token;
 mod token_option;
+mod top;
 mod trust_options;
 mod user;
 mod watch;
@@ -49,7 +51,7 @@ use std::future::Future;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{Parser, Subcommand, ValueEnum};
 use tracing::level_filters::LevelFilter;
 use tracing_subscriber::Layer;
 use tracing_subscriber::filter::Targets;
@@ -68,8 +70,20 @@ struct CommandLine {
     /// Log more to standard error; twice for still more.
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
+    /// How log lines are written.
+    #[arg(long, global = true, value_enum, default_value_t = LogForm::Text, env = "PHOTONFARM_LOG", value_name = "FORM")]
+    log: LogForm,
     #[command(subcommand)]
     command: Command,
+}
+
+/// How log lines are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum LogForm {
+    /// For people.
+    Text,
+    /// A line of JSON each, for programs that collect logs.
+    Json,
 }
 
 #[derive(Debug, Subcommand)]
@@ -90,6 +104,8 @@ enum Command {
     Jobs(jobs::Jobs),
     Scenes(scenes::Scenes),
     Workers(workers::Workers),
+    Top(top::Top),
+    Health(health::Health),
     Store(store::Store),
     User(user::User),
     Token(token::Token),
@@ -111,7 +127,7 @@ pub fn main() -> ExitCode {
     }
     let command_line = CommandLine::parse();
     let runs_farm = matches!(command_line.command, Command::Serve(_) | Command::Worker(_));
-    start_log(command_line.verbose, runs_farm);
+    start_log(command_line.verbose, command_line.log, runs_farm);
     match run(command_line.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -139,6 +155,8 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Jobs(command) => in_runtime(command.run()),
         Command::Scenes(command) => in_runtime(command.run()),
         Command::Workers(command) => in_runtime(command.run()),
+        Command::Top(command) => in_runtime(command.run()),
+        Command::Health(command) => in_runtime(command.run()),
         Command::Store(command) => in_runtime(command.run()),
         Command::User(command) => in_runtime(command.run()),
         Command::Token(command) => in_runtime(command.run()),
@@ -162,7 +180,7 @@ fn in_runtime(command: impl Future<Output = Result<(), CliError>>) -> Result<(),
     result
 }
 
-fn start_log(verbose: u8, runs_farm: bool) {
+fn start_log(verbose: u8, form: LogForm, runs_farm: bool) {
     let level = match verbose {
         0 => LevelFilter::WARN,
         1 => LevelFilter::INFO,
@@ -173,6 +191,9 @@ fn start_log(verbose: u8, runs_farm: bool) {
     let events = if runs_farm { level.max(LevelFilter::INFO) } else { level };
     let filter = Targets::new().with_default(level).with_target(EVENTS, events);
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).log_internal_errors(false);
-    let lines = lines.with_ansi(std::io::stderr().is_terminal()).with_target(false);
+    let lines = match form {
+        LogForm::Text => lines.with_ansi(std::io::stderr().is_terminal()).with_target(false).boxed(),
+        LogForm::Json => lines.json().flatten_event(true).boxed(),
+    };
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }

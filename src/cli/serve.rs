@@ -1,10 +1,10 @@
 //! `serve`: a coordinator, with workers of its own if wanted.
 
+use std::net::TcpListener;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use tokio::net::lookup_host;
 
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
@@ -12,9 +12,12 @@ use super::store_options::StoreOptions;
 use super::tls_options::TlsOptions;
 use super::token_option::token_file;
 use super::{signals, terminal};
+use crate::api;
+use crate::farm::local_farm::LocalFarmError;
+use crate::farm::standby::{Standby, open_in_turn};
 use crate::farm::store::Store;
 use crate::farm::tls::server::ServerTls;
-use crate::farm::{CoordinatorOptions, LocalFarm};
+use crate::farm::{CoordinatorOptions, LocalFarm, UserLimits};
 
 /// How long shards that are being traced are waited for.
 const DRAIN_PATIENCE: Duration = Duration::from_secs(60);
@@ -55,12 +58,24 @@ pub(super) struct Serve {
     /// end with .local, .internal, .localhost or .home.arpa need not be given.
     #[arg(long = "host-name", value_name = "NAME")]
     host_names: Vec<String>,
-    /// File with a token of the admin "operator", who is there as long as this process runs.
+    /// File with a token of the admin "operator", which is taken as long as this process runs.
     #[arg(long, env = "PHOTONFARM_ADMIN_TOKEN_FILE", value_name = "FILE")]
     admin_token_file: Option<PathBuf>,
     /// File with a token by which workers join as long as this process runs.
     #[arg(long, env = "PHOTONFARM_WORKER_TOKEN_FILE", value_name = "FILE")]
     worker_token_file: Option<PathBuf>,
+    /// Jobs that one user may have waiting or running; admins are not limited.
+    #[arg(long, default_value_t = UserLimits::default().live_jobs, value_name = "COUNT")]
+    user_jobs: usize,
+    /// Pixels of all pictures of such jobs together.
+    #[arg(long, default_value_t = UserLimits::default().pixels, value_name = "COUNT")]
+    user_pixels: u64,
+    /// Bytes of all scenes of one user.
+    #[arg(long, default_value_t = UserLimits::default().scene_bytes, value_name = "BYTES")]
+    user_scene_bytes: u64,
+    /// Seconds that one job of a user may ask for.
+    #[arg(long, default_value_t = UserLimits::default().seconds, value_name = "SECONDS")]
+    user_seconds: f64,
     /// Let anyone who reaches this coordinator do everything, also from other machines, while there are no users.
     #[arg(long)]
     insecure: bool,
@@ -74,15 +89,19 @@ impl Serve {
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
         let options = self.options()?;
-        let store = self.store.open().await?;
-        self.refuse_to_stand_open(&store).await?;
         let tls = self.tls()?;
+        let listener = self.bind().await?;
+        let Some(store) = self.open_in_turn(&listener, tls.clone()).await? else { return Ok(()) };
+        if let Err(refused) = self.refuse_to_stand_open(&listener, &store).await {
+            store.close().await;
+            return Err(refused);
+        }
         match self.store.location()? {
             Some(location) => terminal::note(&format!("data is kept in {}", location.folder.display())),
             None => terminal::note("all is kept in memory and ends with this process"),
         }
         let fingerprint = tls.as_ref().map(ServerTls::fingerprint);
-        let builder = farm_with_api(workers, threads).listen(&self.listen).options(options).store(store).tls(tls);
+        let builder = farm_with_api(workers, threads).listener(listener).options(options).store(store).tls(tls);
         let mut farm = builder.start().await?;
         let live = farm.client().jobs().iter().filter(|job| !job.state.is_final()).count();
         if live > 0 {
@@ -102,7 +121,11 @@ impl Serve {
         }
         let result = tokio::select! {
             result = signals::interrupted() => result,
-            failure = farm.failure() => Err(failure.into()),
+            failure = farm.failure() => match failure {
+                // Nothing that this one says counts any more, so it says nothing.
+                deposed @ LocalFarmError::Deposed => return Err(deposed.into()),
+                failure => Err(failure.into()),
+            },
         };
         if result.is_ok() {
             self.drain(&farm).await;
@@ -121,6 +144,27 @@ impl Serve {
         result
     }
 
+    /// A socket for as long as this coordinator runs, whether it stands by or leads.
+    async fn bind(&self) -> Result<TcpListener, CliError> {
+        let bound = tokio::net::TcpListener::bind(&self.listen).await.and_then(tokio::net::TcpListener::into_std);
+        bound.map_err(|problem| self.cannot_listen(&problem))
+    }
+
+    fn cannot_listen(&self, problem: &std::io::Error) -> CliError {
+        CliError::Failed(format!("cannot listen at {}: {problem}; give a free address as HOST:PORT", self.listen))
+    }
+
+    /// Opens the store when nobody else leads; `None` when it is asked to stop before.
+    async fn open_in_turn(&self, listener: &TcpListener, tls: Option<ServerTls>) -> Result<Option<Store>, CliError> {
+        let Some(location) = self.store.location()? else { return Ok(Some(self.store.open().await?)) };
+        let listener = listener.try_clone().map_err(|problem| self.cannot_listen(&problem))?;
+        let standby = Standby { listener, answers: api::standby::router(), tls };
+        tokio::select! {
+            store = open_in_turn(&location, standby) => Ok(Some(store?)),
+            interrupted = signals::interrupted() => interrupted.map(|()| None),
+        }
+    }
+
     /// The certificate, if connections are to be encrypted. One that is made here names this host as far as it is known.
     fn tls(&self) -> Result<Option<ServerTls>, CliError> {
         let folder = self.store.location()?.map(|location| location.folder);
@@ -134,13 +178,10 @@ impl Serve {
     }
 
     /// Whoever listens beyond this machine has users, or says that none are wanted.
-    async fn refuse_to_stand_open(&self, store: &Store) -> Result<(), CliError> {
+    async fn refuse_to_stand_open(&self, listener: &TcpListener, store: &Store) -> Result<(), CliError> {
         let listen = &self.listen;
-        let cannot = |problem| {
-            CliError::Failed(format!("cannot listen at {listen}: {problem}; give a free address as HOST:PORT"))
-        };
-        let is_reachable = lookup_host(listen).await.map_err(cannot)?.any(|address| !address.ip().is_loopback());
-        if !is_reachable || self.admin_token_file.is_some() || !store.users().await?.is_empty() {
+        let address = listener.local_addr().map_err(|problem| self.cannot_listen(&problem))?;
+        if address.ip().is_loopback() || self.admin_token_file.is_some() || !store.users().await?.is_empty() {
             return Ok(());
         }
         if self.insecure {
@@ -165,6 +206,12 @@ impl Serve {
             }
             options.limits.job_memory = (memory * f64::from(1 << 30)) as u64;
         }
+        options.limits.user = UserLimits {
+            live_jobs: self.user_jobs,
+            pixels: self.user_pixels,
+            scene_bytes: self.user_scene_bytes,
+            seconds: self.user_seconds,
+        };
         options.keep_ended = self.keep_days.map(|days| Duration::from_secs(86_400 * u64::from(days)));
         let interval = self.snapshot_interval;
         if !(0.0..=LONGEST_INTERVAL).contains(&interval) {

@@ -32,7 +32,7 @@ pub(super) struct TrustOptions {
 impl TrustOptions {
     /// How to encrypt when `address` asks for it.
     pub(super) fn settings(&self, address: &str) -> Result<Option<Arc<TlsSettings>>, CliError> {
-        if !address.starts_with("https://") {
+        if !address.split(',').any(|address| address.trim().starts_with("https://")) {
             return if self.is_given() { Err(unencrypted(address)) } else { Ok(None) };
         }
         let trust = match (&self.fingerprint, &self.authorities) {

@@ -17,7 +17,7 @@ use crate::farm::worker::{KEPT_SCENES, WorkerOptions, run_worker};
 /// It runs until Ctrl-C or SIGTERM, and waits outages of the coordinator out.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Worker {
-    /// Address of the coordinator.
+    /// Address of the coordinator; of several that stand in for each other, separated by commas.
     #[arg(long, env = "PHOTONFARM_URL", value_name = "URL")]
     coordinator: String,
     #[command(flatten)]

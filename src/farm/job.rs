@@ -1,6 +1,7 @@
 //! What a user asks for and what they are told: requests, states, status.
 
 use std::num::NonZeroU16;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -167,6 +168,49 @@ impl JobState {
     pub const fn is_final(self) -> bool {
         matches!(self, Self::Done | Self::Failed | Self::Cancelled)
     }
+}
+
+/// By what a program knows a request that it sends again, because no answer came: 1 to 200 visible ASCII characters.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct IdempotencyKey(String);
+
+/// A text that is no such key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("an idempotency key is 1 to {LONGEST_KEY} visible ASCII characters")]
+pub struct BadIdempotencyKey;
+
+const LONGEST_KEY: usize = 200;
+
+impl FromStr for IdempotencyKey {
+    type Err = BadIdempotencyKey;
+
+    fn from_str(text: &str) -> Result<Self, BadIdempotencyKey> {
+        let is_key = (1..=LONGEST_KEY).contains(&text.len()) && text.bytes().all(|byte| byte.is_ascii_graphic());
+        if is_key { Ok(Self(text.to_owned())) } else { Err(BadIdempotencyKey) }
+    }
+}
+
+/// With which key a job was submitted, and what was asked for then.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Idempotency {
+    /// The key.
+    pub key: IdempotencyKey,
+    /// BLAKE3 of the request as JSON.
+    pub request: String,
+}
+
+/// What changed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Changes {
+    /// The number of the newest change.
+    pub newest: u64,
+    /// Whether everything that was known before is to be forgotten.
+    pub is_reset: bool,
+    /// Jobs that changed, each as it is now.
+    pub jobs: Vec<JobStatus>,
+    /// Jobs that were deleted.
+    pub deleted: Vec<JobId>,
 }
 
 /// Which jobs are meant. What is `None` leaves all.

@@ -63,6 +63,9 @@ pub enum LocalFarmError {
     /// The server ended.
     #[error("the coordinator's server ended: {0}")]
     Server(String),
+    /// Another coordinator leads.
+    #[error("another coordinator leads now; start this one again, and it stands by")]
+    Deposed,
     /// A worker ended.
     #[error(transparent)]
     Worker(#[from] WorkerError),
@@ -74,6 +77,7 @@ type Routes = Box<dyn FnOnce(CoordinatorHandle, CancellationToken) -> Router + S
 /// What a farm is made of.
 pub struct LocalFarmBuilder {
     listen: String,
+    listener: Option<std::net::TcpListener>,
     workers: usize,
     threads: usize,
     options: CoordinatorOptions,
@@ -86,6 +90,12 @@ impl LocalFarmBuilder {
     /// Where the coordinator listens, `127.0.0.1:0` (any free port) by default.
     pub fn listen(mut self, address: impl Into<String>) -> Self {
         self.listen = address.into();
+        self
+    }
+
+    /// A socket that listens already, instead of an address.
+    pub fn listener(mut self, listener: std::net::TcpListener) -> Self {
+        self.listener = Some(listener);
         self
     }
 
@@ -130,9 +140,13 @@ impl LocalFarmBuilder {
 
     /// Starts everything. Must be called inside a tokio runtime.
     pub async fn start(self) -> Result<LocalFarm, LocalFarmError> {
-        let Self { listen, workers, threads, options, store, tls, routes } = self;
+        let Self { listen, listener, workers, threads, options, store, tls, routes } = self;
         let cannot_listen = |problem| LocalFarmError::Listen { address: listen.clone(), problem };
-        let listener = TcpListener::bind(&listen).await.map_err(cannot_listen)?;
+        let listener = match listener {
+            Some(listener) => TcpListener::from_std(listener),
+            None => TcpListener::bind(&listen).await,
+        };
+        let listener = listener.map_err(cannot_listen)?;
         let address = listener.local_addr().map_err(cannot_listen)?;
         let scenes = PreparedScenes::new(if workers > 0 { KEPT_SCENES } else { 0 });
         let store = match store {
@@ -190,6 +204,7 @@ impl LocalFarm {
     pub fn builder() -> LocalFarmBuilder {
         LocalFarmBuilder {
             listen: "127.0.0.1:0".to_owned(),
+            listener: None,
             workers: 1,
             threads: 1,
             options: CoordinatorOptions::default(),
@@ -238,8 +253,10 @@ impl LocalFarm {
 
     /// Waits until the server or a worker fails; for ever when all is well.
     pub async fn failure(&mut self) -> LocalFarmError {
+        let deposed = self.coordinator.deposed();
         loop {
             tokio::select! {
+                () = deposed.cancelled() => return LocalFarmError::Deposed,
                 ended = &mut self.server => return LocalFarmError::Server(match ended {
                     Err(error) => error.to_string(),
                     Ok(()) => "nobody asked it to".to_owned(),

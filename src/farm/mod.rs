@@ -33,6 +33,7 @@
 //! | [`http`], [`wire`] | the workers' protocol |
 //! | [`worker`] | the other end; [`worker::dial`] opens its connections |
 //! | [`method_choice`], [`prepared_scenes`], [`tls`] | trials of methods; the scenes of this process; the cryptography of its clients |
+//! | [`standby`] | coordinators that wait until they lead |
 //! | [`local_farm`] | all of it inside a program |
 
 pub mod access;
@@ -49,12 +50,13 @@ pub mod method_choice;
 pub mod prepared_scenes;
 pub mod rules;
 pub mod snapshot;
+pub mod standby;
 pub mod store;
 pub mod tls;
 pub mod wire;
 pub mod worker;
 
-pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneSummary};
+pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneSummary, UserLimits};
 pub use error::FarmError;
 pub use events::EVENTS;
 pub use local_farm::LocalFarm;

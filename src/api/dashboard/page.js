@@ -1,6 +1,7 @@
 const element = id => document.getElementById(id);
 const hint = element('status').innerHTML;
-let chosen = null, events = null, shown = '', following = false;
+const jobs = new Map();
+let chosen = null, events = null, shown = '', listing = false;
 
 // The answer to a request, or nothing where a user has to log in first.
 async function ask(address, options) {
@@ -11,7 +12,8 @@ async function ask(address, options) {
 
 function showLogin() {
   events?.close();
-  chosen = null; following = false;
+  chosen = null;
+  jobs.clear();
   element('login').hidden = false;
   element('user').hidden = element('job').hidden = true;
   element('jobs').replaceChildren();
@@ -35,15 +37,36 @@ async function logOut() {
   showLogin();
 }
 
-const count = (number, word) => `${number} ${word}${number === 1 ? '' : 's'}`;
+const count = (number, word) => `${number} ${word}${number === 1 ? '' : /s$/.test(word) ? 'es' : 's'}`;
 
-async function refreshLists() {
-  if (!element('login').hidden) return;
-  try {
-    const list = await ask('/v1/jobs');
-    if (!list) return;
-    const jobs = list.jobs.reverse();
-    const buttons = jobs.map(job => {
+// One stream tells of all jobs. The browser opens it again when it breaks, and then hears what it missed.
+function follow() {
+  events?.close();
+  jobs.clear();
+  events = new EventSource('/v1/events');
+  events.addEventListener('reset', () => jobs.clear());
+  events.addEventListener('deleted', event => { jobs.delete(JSON.parse(event.data).id); list(); });
+  events.addEventListener('status', event => {
+    const job = JSON.parse(event.data);
+    jobs.set(job.id, job);
+    list();
+    show(job);
+  });
+  // A stream that is refused is not opened again: somebody has to log in, or the coordinator is away.
+  events.onerror = () => {
+    element('workers').textContent = 'the coordinator does not answer';
+    if (events.readyState === EventSource.CLOSED) setTimeout(start, 2000);
+  };
+}
+
+// The newest job is the first.
+function list() {
+  if (listing) return;
+  listing = true;
+  requestAnimationFrame(() => {
+    listing = false;
+    const newest = [...jobs.values()].sort((a, b) => a.id < b.id ? 1 : -1);
+    const buttons = newest.map(job => {
       const button = document.createElement('button');
       const owner = job.owner ? `, ${job.owner}` : '';
       button.textContent = `${job.name ?? job.id}: ${job.method}, ${job.state}, ${count(job.passes_done, 'pass')}${owner}`;
@@ -53,34 +76,33 @@ async function refreshLists() {
       return button;
     });
     element('jobs').replaceChildren(...(buttons.length ? buttons : ['no jobs yet']));
-    const current = jobs.find(job => job.id === chosen);
-    if (chosen && !current) forget();
-    // It ended, and was extended.
-    if (current && !following && !hasEnded(current)) choose(chosen);
-    if (!chosen && jobs.length) choose(jobs[0].id);
-    const workers = (await ask('/v1/workers'))?.workers ?? [];
-    element('workers').textContent = `${count(workers.length, 'worker')}, ` +
-      count(workers.reduce((sum, worker) => sum + worker.threads, 0), 'thread');
-  } catch { element('workers').textContent = 'the coordinator does not answer'; }
+    if (chosen && !jobs.has(chosen)) forget();
+    if (!chosen && newest.length) choose(newest[0].id);
+  });
+}
+
+async function refreshWorkers() {
+  if (!element('login').hidden) return;
+  const workers = (await ask('/v1/workers').catch(() => null))?.workers;
+  if (!workers) return;
+  element('workers').textContent = `${count(workers.length, 'worker')}, ` +
+    count(workers.reduce((sum, worker) => sum + worker.threads, 0), 'thread');
 }
 
 const hasEnded = job => ['done', 'failed', 'cancelled'].includes(job.state);
 
 function forget() {
-  events?.close();
-  chosen = null; following = false;
+  chosen = null;
   element('job').hidden = true;
   element('status').innerHTML = hint;
 }
 
 function choose(id) {
   if (chosen !== id) element('picture').removeAttribute('src');
-  chosen = id; shown = ''; following = true;
-  events?.close();
+  chosen = id; shown = '';
   element('job').hidden = false;
-  events = new EventSource(`/v1/jobs/${id}/events`);
-  events.addEventListener('status', event => show(JSON.parse(event.data)));
-  refreshLists();
+  show(jobs.get(id));
+  list();
 }
 
 // What a job waits for, in a sentence; empty while it makes progress.
@@ -95,7 +117,6 @@ function reason(job) {
 function show(job) {
   if (job.id !== chosen) return;
   const ended = hasEnded(job);
-  if (ended) { events.close(); following = false; }
   const rate = (job.photons_per_second / 1e6).toFixed(2);
   element('status').textContent = `${job.state}: ${job.passes_done} of ${job.passes_total ?? '∞'} passes, ` +
     `${rate} million photons/s, ${job.seconds.toFixed(1)} s, ${count(job.workers, 'worker')}. ${reason(job)}`;
@@ -123,10 +144,12 @@ async function start() {
   const me = await ask('/v1/me').catch(() => null);
   element('user').hidden = !me?.user;
   element('name').textContent = me?.user ?? '';
-  refreshLists();
+  if (!element('login').hidden) return;
+  follow();
+  refreshWorkers();
 }
 
 element('login').onsubmit = logIn;
 element('logout').onclick = logOut;
 start();
-setInterval(refreshLists, 3000);
+setInterval(refreshWorkers, 3000);

@@ -29,7 +29,7 @@ pub struct BadSecret;
 pub struct NoRandomness(String);
 
 /// Random bytes from the system.
-pub(super) fn random_bytes() -> Result<[u8; BYTES], NoRandomness> {
+pub(in crate::farm) fn random_bytes() -> Result<[u8; BYTES], NoRandomness> {
     let mut bytes = [0; BYTES];
     getrandom::fill(&mut bytes).map_err(|problem| NoRandomness(problem.to_string()))?;
     Ok(bytes)

@@ -57,7 +57,7 @@ impl Shared {
         let priority = lock(&job.facts).terms.priority;
         self.apply(Event::PriorityChanged { job: id, priority });
         let status = self.lock().status(job, &self.clock);
-        job.status.send_replace(status.clone());
+        self.publish(job, status.clone());
         self.leave_to_keeper(Chore::Record(id));
         self.stored_in_time().await?;
         Ok(status)
@@ -73,6 +73,8 @@ impl Shared {
             return Err(wrong_state(id, status.state));
         }
         self.check_room(&self.lock())?;
+        let pixels = u64::from(status.width) * u64::from(status.height);
+        self.check_user_jobs(&self.lock(), job.owner().as_ref(), pixels, stop)?;
         check_longer(&status, stop)?;
         // What is being stored of its end is stored first.
         self.stored_in_time().await?;

@@ -1,6 +1,7 @@
 //! Jobs: submitted, changed, stopped.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::Duration;
 
 use super::chores::Chore;
@@ -12,7 +13,7 @@ use crate::evaluation::DEFAULT_ERROR;
 use crate::farm::access::user::UserName;
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
-use crate::farm::job::{JobRequest, Priority};
+use crate::farm::job::{Changes, Idempotency, IdempotencyKey, JobRequest, JobStatus, Priority};
 use crate::farm::locks::lock;
 use crate::farm::method_choice::check_trials;
 use crate::farm::rules::Event;
@@ -33,20 +34,35 @@ pub struct JobChanges {
 }
 
 impl Shared {
-    pub(super) async fn submit(&self, mut request: JobRequest, owner: Option<UserName>) -> Result<JobId, FarmError> {
+    pub(super) async fn submit(
+        &self,
+        mut request: JobRequest,
+        owner: Option<UserName>,
+        key: Option<IdempotencyKey>,
+    ) -> Result<JobId, FarmError> {
         request.name = request.name.filter(|name| !name.is_empty());
         request::check_labels(&request, &self.options.limits)?;
+        let idempotency = key.map(|key| Idempotency { key, request: fingerprint(&request) });
         let _turn = self.catalogue.take().await?;
+        if let Some(known) =
+            idempotency.as_ref().map(|wanted| self.submitted_before(owner.as_ref(), wanted)).transpose()?.flatten()
+        {
+            return Ok(known);
+        }
         let scene = self.scene(&request.scene)?;
         let (description, terms) = self.agree(&request, &scene)?;
+        let pixels = u64::from(description.width) * u64::from(description.height);
+        self.check_user_jobs(&self.lock(), owner.as_ref(), pixels, terms.stop)?;
         let (id, unix) = self.next_id()?;
         let facts = JobFacts {
             request,
             description: JobDescription { id, ..description },
             terms: terms.clone(),
             owner,
+            idempotency,
             submitted: unix.as_secs(),
             history: Vec::new(),
+            last_snapshot: None,
             snapshots: Snapshots::default(),
             ran: Duration::ZERO,
             ended: None,
@@ -63,6 +79,75 @@ impl Shared {
         self.lock().jobs.insert(id, job);
         self.apply(Event::JobAdded { job: id, terms });
         Ok(id)
+    }
+
+    /// The job that the same user submitted with the same key.
+    ///
+    /// # Errors
+    /// Something else was asked for then.
+    fn submitted_before(&self, owner: Option<&UserName>, wanted: &Idempotency) -> Result<Option<JobId>, FarmError> {
+        let state = self.lock();
+        let has_key = |facts: &JobFacts| {
+            facts.owner.as_ref() == owner && facts.idempotency.as_ref().is_some_and(|known| known.key == wanted.key)
+        };
+        let Some(job) = state.jobs.values().find(|job| has_key(&lock(&job.facts))) else { return Ok(None) };
+        if lock(&job.facts).idempotency.as_ref() == Some(wanted) {
+            return Ok(Some(job.id));
+        }
+        Err(FarmError::BadRequest {
+            problem: format!("job {} was submitted with the same key, and is another one", job.id),
+            remedy: "choose a new Idempotency-Key for every job".to_owned(),
+        })
+    }
+
+    /// What would become of a request. Nothing is kept or traced.
+    pub(super) async fn validate(
+        self: &Arc<Self>,
+        request: JobRequest,
+        scene: Option<Vec<u8>>,
+    ) -> Result<JobStatus, FarmError> {
+        request::check_labels(&request, &self.options.limits)?;
+        let scene = match scene {
+            None => self.scene(&request.scene)?,
+            Some(bytes) => {
+                let mut upload = self.begin_upload(None).await?;
+                let written = upload.write(&bytes).await;
+                if let Err(problem) = written {
+                    upload.abort().await?;
+                    return Err(problem);
+                }
+                upload.check().await?
+            }
+        };
+        let (description, terms) = self.agree(&request, &scene)?;
+        let facts = JobFacts {
+            request,
+            description: JobDescription { scene: scene.summary.hash.clone(), ..description },
+            terms,
+            owner: None,
+            idempotency: None,
+            submitted: 0,
+            history: Vec::new(),
+            last_snapshot: None,
+            snapshots: Snapshots::default(),
+            ran: Duration::ZERO,
+            ended: None,
+            pause: None,
+        };
+        Ok(facts.status())
+    }
+
+    /// What changed after change number `seen`.
+    pub(super) fn changes(&self, seen: u64) -> Changes {
+        let state = self.lock();
+        let (newest, deleted) = self.feed.deleted_since(seen);
+        let is_reset = deleted.is_none();
+        let seen = if is_reset { 0 } else { seen };
+        let is_new = |job: &&Arc<JobRecord>| job.changed.load(Ordering::Relaxed) > seen || seen == 0;
+        let jobs = state.jobs.values().filter(is_new).map(|job| state.status(job, &self.clock)).collect();
+        // Whoever knows nothing yet knows nothing of them.
+        let deleted = deleted.filter(|_| seen > 0).unwrap_or_default().into_iter().map(|deleted| deleted.job).collect();
+        Changes { newest, is_reset, jobs, deleted }
     }
 
     /// The id of the next job, if one is taken at all, and the time since 1970.
@@ -143,6 +228,12 @@ impl Shared {
         self.leave_to_keeper(Chore::Record(job.id));
         Ok(())
     }
+}
+
+/// By what a request is known again.
+fn fingerprint(request: &JobRequest) -> String {
+    // Plain data with string keys always has a JSON form.
+    blake3::hash(&serde_json::to_vec(request).unwrap_or_default()).to_hex().to_string()
 }
 
 /// Bytes of memory a pixel that a running job needs: its estimate, a copy of it for snapshots, and radius fields of five epochs. As much as any

@@ -86,6 +86,10 @@ impl Keeper {
                 }
                 // The store is closed: what comes now belongs to nobody.
                 Err(_) if shared.stopped.is_cancelled() => return false,
+                Err(problem) if problem.is_deposed() => {
+                    shared.depose();
+                    return false;
+                }
                 Err(problem) => self.store_fails(&shared, &problem),
             }
             drop(shared);
@@ -141,6 +145,9 @@ impl Keeper {
 
     /// A full disk pauses jobs at once, a database that restarts only when it takes long.
     fn store_fails(&mut self, shared: &Arc<Shared>, problem: &StoreError) {
+        if problem.is_deposed() {
+            return shared.depose();
+        }
         let since = *self.failing_since.get_or_insert_with(|| {
             tracing::error!(target: EVENTS, "{problem}");
             Instant::now()
@@ -216,9 +223,12 @@ impl Keeper {
             let name = BlobName::of_snapshot(job.id, merged, &bytes);
             let known = lock(&job.facts).snapshots.clone();
             if known.newest.as_ref() != Some(&name) {
+                let count = bytes.len() as u64;
                 shared.store.blobs().put(&name, bytes).await?;
                 let snapshots = Snapshots { newest: Some(name), earlier: known.newest, resume: None };
                 shared.keep_snapshots(job, snapshots).await?;
+                shared.counters.snapshot_written(count, start.elapsed());
+                lock(&job.facts).last_snapshot = Some(shared.clock.now());
                 is_written = true;
             }
         }
@@ -289,6 +299,7 @@ impl Shared {
         }
         self.apply(Event::JobErased { job: job.id });
         self.lock().jobs.remove(&job.id);
+        self.feed.delete(job.id);
         self.viewed.remove(job.id);
         self.delete_unless_kept(&snapshots, &Snapshots::default()).await
     }

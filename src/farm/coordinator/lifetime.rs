@@ -4,6 +4,7 @@ use std::sync::{Arc, Weak};
 use std::time::Duration;
 
 use tokio::sync::mpsc;
+use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
 
 use super::chores::Chore;
@@ -16,6 +17,7 @@ use crate::farm::events::EVENTS;
 use crate::farm::rules::check::CheckShare;
 use crate::farm::rules::{Event, Rules, RulesOptions};
 use crate::farm::store::Store;
+use crate::farm::store::leadership::RENEWAL;
 
 /// How often time passes for the rules.
 const TICK: Duration = Duration::from_millis(200);
@@ -42,6 +44,7 @@ impl Shared {
         shared.take_over(rows).await?;
         tokio::spawn(keep(Arc::downgrade(&shared), waiting));
         tokio::spawn(keep_time(Arc::downgrade(&shared), shared.stopped.clone()));
+        tokio::spawn(keep_leading(Arc::downgrade(&shared), shared.stopped.clone()));
         Ok(shared)
     }
 
@@ -57,6 +60,19 @@ impl Shared {
         }
         self.stopped.cancel();
         self.store.close().await;
+    }
+}
+
+/// Says that this coordinator lives, until it is stopped or dropped, or another one leads.
+async fn keep_leading(shared: Weak<Shared>, stopped: CancellationToken) {
+    while stopped.run_until_cancelled(sleep(RENEWAL)).await.is_some() {
+        let Some(shared) = shared.upgrade() else { return };
+        match shared.store.renew().await {
+            Ok(()) => {}
+            Err(problem) if problem.is_deposed() => return shared.depose(),
+            // It leads on if the database comes back before somebody else does.
+            Err(problem) => tracing::debug!(%problem, "the term cannot be prolonged"),
+        }
     }
 }
 

@@ -29,6 +29,8 @@ pub struct Limits {
     pub tag_bytes: usize,
     /// Jobs that have not ended.
     pub live_jobs: usize,
+    /// What one user may have at the same time; admins are not limited.
+    pub user: UserLimits,
     /// Users.
     pub users: usize,
     /// Tokens of a user, logins of the page included, and those by which workers join.
@@ -53,6 +55,25 @@ pub struct Limits {
     pub retry_after: u64,
 }
 
+/// What one user may have at the same time.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, utoipa::ToSchema)]
+pub struct UserLimits {
+    /// Jobs that have not ended.
+    pub live_jobs: usize,
+    /// Pixels of all pictures of such jobs together.
+    pub pixels: u64,
+    /// Bytes of all scenes that the user was the first to upload.
+    pub scene_bytes: u64,
+    /// Seconds that one job may ask for.
+    pub seconds: f64,
+}
+
+impl Default for UserLimits {
+    fn default() -> Self {
+        Self { live_jobs: 200, pixels: 2_000_000_000, scene_bytes: 100 << 30, seconds: 30.0 * 86_400.0 }
+    }
+}
+
 impl Default for Limits {
     fn default() -> Self {
         Self {
@@ -65,6 +86,7 @@ impl Default for Limits {
             tags: 20,
             tag_bytes: 100,
             live_jobs: 1000,
+            user: UserLimits::default(),
             users: 10_000,
             tokens: 100,
             uploads: 4,
@@ -80,11 +102,16 @@ impl Default for Limits {
     }
 }
 
-/// This machine's memory, bytes; `None` where the system does not say.
+/// Files in which a container's limit stands, of the second and the first version of Linux control groups.
+const CONTAINER_LIMITS: [&str; 2] = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
+
+/// The memory that there is for this process, bytes: this machine's, or that of its container; `None` where the system does not say.
 fn total_memory() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+    let machine = line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)?;
+    let limit = |file: &&str| std::fs::read_to_string(file).ok()?.trim().parse::<u64>().ok();
+    Some(CONTAINER_LIMITS.iter().filter_map(limit).fold(machine, u64::min))
 }
 
 /// Called with a job and the index of the shard that is about to be merged.

@@ -60,6 +60,17 @@ impl CoordinatorHandle {
         lock(&self.shared.register).caller(bearer, self.shared.clock.unix_milliseconds())
     }
 
+    /// Whether a caller who was known before is known still.
+    pub fn knows(&self, caller: &Caller) -> bool {
+        let register = lock(&self.shared.register);
+        match caller {
+            Caller::Anyone => register.is_open(),
+            Caller::User { token, .. } | Caller::Joining { token } => {
+                register.valid(token, self.shared.clock.unix_milliseconds()).is_some()
+            }
+        }
+    }
+
     /// Lets pass whoever may change a job.
     pub fn check_owner(&self, caller: &Caller, id: JobId) -> Result<(), FarmError> {
         let owner = self.shared.job(id)?.owner();
@@ -137,11 +148,10 @@ impl Shared {
         }
         if let Some(secret) = &self.options.admin_token {
             let name = UserName::operator();
-            lock(&self.register).put_user(User {
-                name: name.clone(),
-                role: Role::Admin,
-                created: self.clock.unix_milliseconds(),
-            });
+            let user = User { name: name.clone(), role: Role::Admin, created: self.clock.unix_milliseconds() };
+            // The operator's further tokens outlive this process, and so does the operator.
+            self.store.put_user(&user).await?;
+            lock(&self.register).put_user(user);
             self.give_token(secret, Some(name), Scope::Admin);
         }
         Ok(())

@@ -14,18 +14,24 @@
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
 //! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
 //! | [`request`], `status` | what users say and are told |
-//! | `options`, `limits` | how it runs, and what it accepts |
+//! | `feed` | all changes of all jobs, numbered |
+//! | `counters`, `metrics` | what is counted and measured, for Prometheus |
+//! | `options`, `limits`, `quotas` | how it runs, what it accepts, and what of one user |
 
 mod chores;
 mod clock;
 mod control;
+mod counters;
+mod feed;
 mod jobs;
 mod keeper;
 mod lifetime;
 mod limits;
 pub mod members;
+mod metrics;
 mod options;
 mod pictures;
+mod quotas;
 mod records;
 pub mod request;
 mod restoring;
@@ -40,12 +46,14 @@ mod viewed;
 
 use std::ops::Bound;
 use std::sync::Arc;
+use std::time::Duration;
 
 use bytes::Bytes;
 use tokio::sync::watch;
+use tokio_util::sync::CancellationToken;
 
 pub use jobs::JobChanges;
-pub use limits::{FaultHooks, Limits};
+pub use limits::{FaultHooks, Limits, UserLimits};
 pub use options::CoordinatorOptions;
 pub(super) use results::{Delivered, Delivery, Payload};
 pub use scene_record::SceneSummary;
@@ -55,7 +63,7 @@ pub(super) use shared::{JobRecord, Shared, blocking};
 use super::access::caller::Caller;
 use super::error::FarmError;
 use super::ids::JobId;
-use super::job::{JobFilter, JobRequest, JobStatus, StopRule, WorkerStatus};
+use super::job::{Changes, IdempotencyKey, JobFilter, JobRequest, JobStatus, StopRule, WorkerStatus};
 use super::rules::Event;
 use super::rules::terms::ErrorPoint;
 use super::store::Store;
@@ -134,12 +142,17 @@ impl CoordinatorHandle {
 
     /// Checks a request and queues the job; answers its id. Nothing is traced before the answer.
     pub async fn submit(&self, request: JobRequest) -> Result<JobId, FarmError> {
-        self.submit_of(request, &Caller::Anyone).await
+        self.submit_of(request, &Caller::Anyone, None).await
     }
 
-    /// The same for a caller, whose the job is.
-    pub async fn submit_of(&self, request: JobRequest, caller: &Caller) -> Result<JobId, FarmError> {
-        self.shared.submit(request, caller.name().cloned()).await
+    /// The same for a caller, whose the job is. Who submits the same again with the same `key` gets the job that there is.
+    pub async fn submit_of(
+        &self,
+        request: JobRequest,
+        caller: &Caller,
+        key: Option<IdempotencyKey>,
+    ) -> Result<JobId, FarmError> {
+        self.shared.submit(request, caller.name().cloned(), key).await
     }
 
     /// A job's error as it was estimated from time to time.
@@ -172,6 +185,26 @@ impl CoordinatorHandle {
     /// A job's status as it changes. The last value stays readable after the job has ended.
     pub fn watch(&self, id: JobId) -> Result<watch::Receiver<JobStatus>, FarmError> {
         Ok(self.shared.job(id)?.watch())
+    }
+
+    /// What changed after change number `seen`; everything when that is too long ago to know.
+    pub fn changes(&self, seen: u64) -> Changes {
+        self.shared.changes(seen)
+    }
+
+    /// The number of the newest change as it rises. It starts anew with the coordinator, which its [run](Self::run) tells.
+    pub fn watch_changes(&self) -> watch::Receiver<u64> {
+        self.shared.feed.watch()
+    }
+
+    /// Which run of the coordinator this is: milliseconds since 1970 when it started.
+    pub fn run(&self) -> u64 {
+        self.shared.clock.unix(Duration::ZERO).as_millis() as u64
+    }
+
+    /// What would become of a request; nothing is kept or traced. `scene` are the bytes of one that was not uploaded.
+    pub async fn validate(&self, request: JobRequest, scene: Option<Vec<u8>>) -> Result<JobStatus, FarmError> {
+        self.shared.validate(request, scene).await
     }
 
     /// The picture as merged so far, the layers asked for, and the status that belongs to all of them.
@@ -250,6 +283,16 @@ impl CoordinatorHandle {
     pub fn drain(&self) {
         self.shared.lock().is_closed = true;
         self.shared.apply(Event::DrainBegan);
+    }
+
+    /// Whether it stops, and takes no new jobs.
+    pub fn is_closed(&self) -> bool {
+        self.shared.lock().is_closed
+    }
+
+    /// Cancelled when another coordinator leads, and this one has to stop.
+    pub fn deposed(&self) -> CancellationToken {
+        self.shared.deposed.clone()
     }
 
     /// Leases that workers hold.

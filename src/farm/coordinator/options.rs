@@ -21,7 +21,7 @@ pub struct CoordinatorOptions {
     pub keep_ended: Option<Duration>,
     /// Names by which browsers and workers may call it, beside addresses and names that nobody can own publicly.
     pub host_names: Vec<String>,
-    /// A token of the admin `operator`, who is there as long as the coordinator runs.
+    /// A token of the admin `operator`, which is taken as long as the coordinator runs.
     pub admin_token: Option<Secret>,
     /// A token by which workers join as long as it runs.
     pub worker_token: Option<Secret>,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::shared::{JobFacts, JobRecord, Shared};
 use crate::farm::access::user::UserName;
-use crate::farm::job::{JobRequest, JobStatus, StopRule};
+use crate::farm::job::{Idempotency, JobRequest, JobStatus, StopRule};
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
 use crate::farm::rules::Event;
@@ -35,6 +35,8 @@ struct StoredJob {
     history: Vec<ErrorPoint>,
     #[serde(default)]
     owner: Option<UserName>,
+    #[serde(default)]
+    idempotency: Option<Idempotency>,
     /// As it was told last.
     status: JobStatus,
 }
@@ -58,6 +60,7 @@ impl Shared {
             ran: progress.map_or(status.seconds, |job| job.seconds(now)),
             history: progress.map_or_else(|| facts.history.clone(), |job| job.history.clone()),
             owner: facts.owner.clone(),
+            idempotency: facts.idempotency.clone(),
             status,
         };
         JobRow {
@@ -132,8 +135,20 @@ fn read(row: &JobRow) -> Result<JobRecord, StoreError> {
         problem: problem.to_string(),
     };
     let stored: StoredJob = serde_json::from_str(&row.record).map_err(bad)?;
-    let StoredJob { request, method, stop, memory, chooses_method, notices, pause, ran, history, owner, status } =
-        stored;
+    let StoredJob {
+        request,
+        method,
+        stop,
+        memory,
+        chooses_method,
+        notices,
+        pause,
+        ran,
+        history,
+        owner,
+        idempotency,
+        status,
+    } = stored;
     let (width, height, seed) = (status.width, status.height, status.seed);
     let description = JobDescription { id: row.id, scene: row.scene.clone(), method, seed, width, height };
     let terms = Terms { stop, priority: request.priority, memory, chooses_method, notices };
@@ -142,8 +157,10 @@ fn read(row: &JobRow) -> Result<JobRecord, StoreError> {
         description,
         terms,
         owner,
+        idempotency,
         submitted: status.submitted,
         history,
+        last_snapshot: None,
         snapshots: row.snapshots.clone(),
         ran: Duration::try_from_secs_f64(ran).unwrap_or_default(),
         ended: row.ended,

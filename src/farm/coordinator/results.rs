@@ -1,6 +1,7 @@
 //! What becomes of a result: the rules decide, and what they take is merged before anything else of the job.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::time::Instant;
 
 use super::shared::{JobRecord, Shared};
 use crate::estimate::Tally;
@@ -69,6 +70,19 @@ impl Shared {
         payload: Payload,
         digest: Option<Digest>,
     ) -> Delivered {
+        let start = Instant::now();
+        let delivered = self.take_result_in_turn(job, delivery, payload, digest);
+        self.counters.merging_took(start.elapsed());
+        delivered
+    }
+
+    fn take_result_in_turn(
+        &self,
+        job: &JobRecord,
+        delivery: Delivery,
+        payload: Payload,
+        digest: Option<Digest>,
+    ) -> Delivered {
         let mut merging = lock(&job.merging);
         let lease = match self.record_result(delivery, Outcome::Accepted(digest)) {
             Answer::Take(lease) => lease,
@@ -108,6 +122,7 @@ impl Shared {
             }
             (Payload::Pilot(pilot), _) => {
                 *merging = Some(self.begin(job, &pilot)?);
+                lock(&job.facts).last_snapshot = Some(self.clock.now());
                 Ok(())
             }
             (Payload::Tally(tally, message), Work::Shard(index, _)) => {
@@ -115,8 +130,12 @@ impl Shared {
                 if let Some(hook) = &self.options.faults.before_merge {
                     hook(job.id, index);
                 }
+                let before = merging.totals();
                 merging.add(index, &tally, message)?;
-                self.apply(Event::Merged { job: job.id, totals: merging.totals() });
+                let totals = merging.totals();
+                let photons = totals.photons_emitted.saturating_sub(before.photons_emitted);
+                self.counters.merged(photons, totals.shards.saturating_sub(before.shards));
+                self.apply(Event::Merged { job: job.id, totals });
                 Ok(())
             }
             (Payload::Tally(..), _) => Err("a tally came for other work".to_owned()),

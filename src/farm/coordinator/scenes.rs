@@ -66,6 +66,10 @@ impl Shared {
             uploaded.discard().await?;
             return Ok(known.summary.clone());
         }
+        if let Err(problem) = self.check_user_scenes(owner.as_ref(), uploaded.bytes) {
+            uploaded.discard().await?;
+            return Err(problem);
+        }
         let record = match self.check_scene(&uploaded, owner).await {
             Ok(record) => record,
             Err(problem) => {
@@ -201,6 +205,14 @@ impl SceneUpload {
     pub async fn finish(self) -> Result<SceneSummary, FarmError> {
         let uploaded = self.upload.finish().await?;
         self.shared.add_uploaded(uploaded, self.owner).await
+    }
+
+    /// All bytes came: checks the scene, and keeps nothing of it.
+    pub(super) async fn check(self) -> Result<Arc<SceneRecord>, FarmError> {
+        let uploaded = self.upload.finish().await?;
+        let checked = self.shared.check_scene(&uploaded, self.owner).await;
+        uploaded.discard().await?;
+        checked.map(Arc::new)
     }
 
     /// Nothing of it stays.

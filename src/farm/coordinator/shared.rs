@@ -1,7 +1,7 @@
 //! Events go in, effects are carried out.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::atomic::AtomicU32;
+use std::sync::atomic::{AtomicU32, AtomicU64};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
@@ -11,6 +11,8 @@ use tokio_util::task::TaskTracker;
 
 use super::chores::Chore;
 use super::clock::Clock;
+use super::counters::{Counters, is_result};
+use super::feed::Feed;
 use super::options::CoordinatorOptions;
 use super::scene_record::SceneRecord;
 use super::seen_first::SeenFirst;
@@ -23,7 +25,7 @@ use crate::farm::access::worker_secret::WorkerSecrets;
 use crate::farm::error::FarmError;
 use crate::farm::events::EVENTS;
 use crate::farm::ids::JobId;
-use crate::farm::job::{JobRequest, JobStatus};
+use crate::farm::job::{Idempotency, JobRequest, JobStatus};
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
 use crate::farm::rules::terms::{ErrorPoint, PauseReason, Terms};
@@ -42,6 +44,8 @@ pub(in crate::farm) struct Shared {
     pub(super) viewed: Viewed,
     state: Mutex<State>,
     pub(super) register: Mutex<Register>,
+    pub(super) counters: Counters,
+    pub(super) feed: Feed,
     pub(in crate::farm) worker_secrets: WorkerSecrets,
     pub(super) seen_first: SeenFirst,
     pub(super) uploads: Arc<Semaphore>,
@@ -52,6 +56,8 @@ pub(in crate::farm) struct Shared {
     /// Rises whenever a waiting worker should ask again.
     pub(in crate::farm) work: watch::Sender<u64>,
     pub(super) stopped: CancellationToken,
+    /// Cancelled when another coordinator leads.
+    pub(super) deposed: CancellationToken,
     /// Uploads and results under way.
     pub(in crate::farm) busy: TaskTracker,
 }
@@ -73,7 +79,9 @@ pub(in crate::farm) struct JobRecord {
     /// Rises when part of the job is done again.
     pub(in crate::farm) generation: AtomicU32,
     pub(in crate::farm) merging: Mutex<Option<Merging>>,
-    pub(super) status: watch::Sender<JobStatus>,
+    status: watch::Sender<JobStatus>,
+    /// The number of its last change.
+    pub(super) changed: AtomicU64,
     /// Whoever does something to the job for a user.
     pub(super) users: Turn,
 }
@@ -96,6 +104,10 @@ pub(super) struct JobFacts {
     pub(super) submitted: u64,
     /// How its error fell, until it ended or was stored.
     pub(super) history: Vec<ErrorPoint>,
+    /// The key with which it was submitted.
+    pub(super) idempotency: Option<Idempotency>,
+    /// When the last of them was written, or when it began to run; time since start.
+    pub(super) last_snapshot: Option<Duration>,
     /// Stored states.
     pub(super) snapshots: Snapshots,
     /// For how long it ran, until it ended or was stored.
@@ -127,6 +139,7 @@ impl JobRecord {
             generation: AtomicU32::new(0),
             merging: Mutex::new(None),
             status: watch::Sender::new(status),
+            changed: AtomicU64::new(0),
             users: Turn::default(),
         }
     }
@@ -151,6 +164,11 @@ impl JobRecord {
         lock(&self.facts).history.clone()
     }
 
+    /// Its status as it was told last.
+    pub(super) fn last_status(&self) -> JobStatus {
+        self.status.borrow().clone()
+    }
+
     pub(super) fn watch(&self) -> watch::Receiver<JobStatus> {
         self.status.subscribe()
     }
@@ -169,6 +187,8 @@ impl Shared {
         let state = State { rules, jobs: BTreeMap::new(), scenes: HashMap::new(), last_job, is_closed: false };
         Ok(Self {
             register: Mutex::default(),
+            counters: Counters::new(),
+            feed: Feed::new(),
             worker_secrets: WorkerSecrets::new()?,
             members: Turn::default(),
             uploads: Arc::new(Semaphore::new(options.limits.uploads)),
@@ -182,6 +202,7 @@ impl Shared {
             seen_first: SeenFirst::default(),
             work: watch::Sender::new(0),
             stopped: CancellationToken::new(),
+            deposed: CancellationToken::new(),
             busy: TaskTracker::new(),
         })
     }
@@ -192,16 +213,18 @@ impl Shared {
 
     /// Lets `event` happen, carries out what follows, and answers the one who brought it.
     pub(in crate::farm) fn apply(&self, event: Event) -> Answer {
+        let is_result = is_result(&event);
         let mut state = self.lock();
         let now = self.clock.now();
         let Effects { answer, changed, ended, rollbacks, notices, work_appeared } = state.rules.apply(now, event);
         for job in changed.iter().filter_map(|id| state.jobs.get(id)) {
-            job.status.send_replace(state.status(job, &self.clock));
+            self.publish(job, state.status(job, &self.clock));
         }
         for id in &ended {
             self.forget_ended(&mut state, *id);
         }
         drop(state);
+        self.counters.count(is_result, &answer, &notices);
         self.write_journal(&notices);
         for id in ended {
             self.leave_to_keeper(Chore::Finish(id));
@@ -213,6 +236,12 @@ impl Shared {
             self.work.send_modify(|version| *version += 1);
         }
         answer
+    }
+
+    /// Tells whoever watches how a job is doing.
+    pub(super) fn publish(&self, job: &JobRecord, status: JobStatus) {
+        job.status.send_replace(status);
+        self.feed.number(&job.changed);
     }
 
     /// An ended job is no business of the rules any more; its last status stays.
@@ -255,6 +284,15 @@ impl Shared {
     pub(super) async fn job_in_turn(&self, id: JobId) -> Result<JobInTurn, FarmError> {
         let turn = self.job(id)?.users.take().await?;
         Ok(JobInTurn { job: self.job(id)?, _turn: turn })
+    }
+
+    /// Another coordinator leads: nothing that this one says counts any more.
+    pub(super) fn depose(&self) {
+        if !self.deposed.is_cancelled() {
+            tracing::error!(target: EVENTS, "another coordinator leads; this one stops");
+            self.lock().is_closed = true;
+            self.deposed.cancel();
+        }
     }
 
     /// Hands something to the keeper.

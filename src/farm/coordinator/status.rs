@@ -20,7 +20,7 @@ impl State {
         let Some(progress) = self.rules.job(job.id) else {
             // It has ended: only what people call it changes.
             let labels = facts.status();
-            let last = job.status.borrow().clone();
+            let last = job.last_status();
             return JobStatus { name: labels.name, tags: labels.tags, priority: labels.priority, ..last };
         };
         let now = clock.now();

@@ -197,6 +197,7 @@ async fn result(
         return Ok(written(&delivery::turn_away(&coordinator.shared, delivery)?));
     }
     let received = room.receive(&headers, body).await?;
+    coordinator.count_received(received.body.len() as u64);
     // The merge goes on when the worker hangs up: its result was taken.
     let shared = coordinator.shared.clone();
     let deliver = move || {

@@ -170,6 +170,19 @@ impl Job {
         self.next_work(WorkerId::default(), || false).is_some()
     }
 
+    /// Pieces of work that workers could be given now.
+    pub fn waiting(&self) -> u64 {
+        let returned = self.returned.len() as u64;
+        let Some(plan) = self.plan.as_ref().filter(|plan| !self.waits_for_check(plan)) else { return returned };
+        // Later shards wait for more to be merged, never for less.
+        let (mut first, mut end) = (self.next_index, self.limit.max(self.next_index));
+        while first < end {
+            let middle = first + (end - first) / 2;
+            if self.totals.shards >= plan.merged_before(middle) { first = middle + 1 } else { end = middle }
+        }
+        returned + (first - self.next_index)
+    }
+
     /// Shards that were never issued; `u64::MAX` before the pilot is done.
     pub fn unissued(&self) -> u64 {
         if self.plan.is_some() { self.limit.saturating_sub(self.next_index) } else { u64::MAX }

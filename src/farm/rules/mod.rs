@@ -162,6 +162,11 @@ impl Rules {
         self.jobs.iter().map(|(id, job)| (*id, job))
     }
 
+    /// Pieces of work that workers could be given now, checks left aside.
+    pub fn work_waiting(&self) -> u64 {
+        self.jobs.values().filter(|job| job.takes_workers()).map(Job::waiting).sum::<u64>() + self.errands.len() as u64
+    }
+
     /// The workers.
     pub fn roster(&self) -> &Roster {
         &self.roster

@@ -22,6 +22,9 @@ pub enum StoreError {
         /// Where it is.
         place: String,
     },
+    /// Another coordinator leads since. Nothing was written.
+    #[error("another coordinator leads now; this one has to stop, and may stand by")]
+    Deposed,
     /// It was written by a newer program. Nothing was changed.
     #[error("the store is of version {found}, this program knows versions up to {known}; use the newer program")]
     Newer {
@@ -72,6 +75,11 @@ impl StoreError {
             Self::Records(error) => chain_has(error, is_full_kind),
             _ => false,
         }
+    }
+
+    /// Whether another coordinator leads.
+    pub fn is_deposed(&self) -> bool {
+        matches!(self, Self::Deposed)
     }
 
     /// Whether something is gone that no waiting brings back.

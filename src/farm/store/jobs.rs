@@ -4,7 +4,7 @@ use sqlx::Row;
 use sqlx::any::AnyRow;
 
 use super::blobs::BlobName;
-use super::schema::{meta, set_meta};
+use super::settings::{meta, setting};
 use super::{Store, StoreError};
 use crate::farm::ids::JobId;
 use crate::farm::job::JobState;
@@ -60,14 +60,13 @@ impl Store {
     /// Stores a new job.
     pub async fn insert_job(&self, job: &JobRow) -> Result<(), StoreError> {
         // The mark comes first: an id that was not used in the end is no harm, one that is used twice is.
-        set_meta(&self.pool, LAST_JOB, job.id.number() as i64).await?;
+        self.write(setting(LAST_JOB, job.id.number() as i64)).await?;
         let query = format!("INSERT INTO jobs ({COLUMNS}) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9)");
         let query = sqlx::query(sqlx::AssertSqlSafe(query));
         let query = query.bind(job.id.number() as i64).bind(job.state.name()).bind(job.scene.clone());
         let query = query.bind(job.created).bind(job.ended).bind(job.record.clone());
         let [newest, earlier, resume] = texts(&job.snapshots);
-        query.bind(newest).bind(earlier).bind(resume).execute(&self.pool).await?;
-        Ok(())
+        self.write(query.bind(newest).bind(earlier).bind(resume)).await
     }
 
     /// Stores what has changed of a job; nothing when it was deleted meanwhile.
@@ -76,14 +75,12 @@ impl Store {
                      resume_snapshot = $7 WHERE id = $1";
         let [newest, earlier, resume] = texts(&job.snapshots);
         let query = sqlx::query(query).bind(job.id.number() as i64).bind(job.state.name()).bind(job.ended);
-        query.bind(job.record.clone()).bind(newest).bind(earlier).bind(resume).execute(&self.pool).await?;
-        Ok(())
+        self.write(query.bind(job.record.clone()).bind(newest).bind(earlier).bind(resume)).await
     }
 
     /// Deletes a job's record. Its blobs are the caller's, or those of the next clean-up.
     pub async fn delete_job(&self, id: JobId) -> Result<(), StoreError> {
-        sqlx::query("DELETE FROM jobs WHERE id = $1").bind(id.number() as i64).execute(&self.pool).await?;
-        Ok(())
+        self.write(sqlx::query("DELETE FROM jobs WHERE id = $1").bind(id.number() as i64)).await
     }
 
     /// A job.

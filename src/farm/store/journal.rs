@@ -2,7 +2,7 @@
 
 use sqlx::Row;
 
-use super::schema::meta;
+use super::settings::meta;
 use super::{Store, StoreError};
 use crate::farm::ids::JobId;
 
@@ -31,11 +31,10 @@ impl Store {
             let query = "INSERT INTO events (sequence, time, job, worker, text) \
                          SELECT COALESCE(MAX(sequence), 0) + 1, $1, $2, $3, $4 FROM events";
             let query = sqlx::query(query).bind(row.time).bind(row.job.map(|job| job.number() as i64));
-            query.bind(row.worker.clone()).bind(row.text.clone()).execute(&self.pool).await?;
+            self.write(query.bind(row.worker.clone()).bind(row.text.clone())).await?;
         }
         let old = "DELETE FROM events WHERE sequence <= (SELECT MAX(sequence) FROM events) - $1";
-        sqlx::query(old).bind(KEPT).execute(&self.pool).await?;
-        Ok(())
+        self.write(sqlx::query(old).bind(KEPT)).await
     }
 
     /// At most `limit` lines after line `after`, of one job or of all.
@@ -61,8 +60,7 @@ impl Store {
         let query = "INSERT INTO workers (name, threads, first_seen, last_seen) VALUES ($1, $2, $3, $3) \
                      ON CONFLICT (name) DO UPDATE SET threads = excluded.threads, last_seen = excluded.last_seen";
         let query = sqlx::query(query).bind(name.to_owned()).bind(i64::from(threads)).bind(time);
-        query.execute(&self.pool).await?;
-        Ok(())
+        self.write(query).await
     }
 
     /// The version of the tables.

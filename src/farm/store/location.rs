@@ -5,20 +5,16 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use sqlx::any::{AnyPoolOptions, install_default_drivers};
-use sqlx::{AnyConnection, AnyPool, Connection, Row};
-use tokio::time::sleep;
+use sqlx::{AnyConnection, AnyPool};
 
 use super::error::StoreError;
+use super::leadership;
+use crate::farm::access::secret::random_bytes;
 
 /// Connections to a database that serves several.
 const CONNECTIONS: u32 = 8;
 /// How long a query waits for a connection.
 const PATIENCE: Duration = Duration::from_secs(20);
-
-/// The number of the lock by which a coordinator claims a PostgreSQL database: "photon" in ASCII.
-const CLAIM: i64 = 0x7068_6f74_6f6e;
-const CLAIM_ATTEMPTS: u32 = 10;
-const CLAIM_PAUSE: Duration = Duration::from_millis(500);
 
 /// Where the records are.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,6 +58,24 @@ impl StoreLocation {
         }
     }
 
+    /// A number that is kept in the folder, and by which coordinators that share a database tell each other apart.
+    pub(super) fn holder(&self) -> Result<i64, StoreError> {
+        let file = self.folder.join("holder");
+        let failed = |problem: String| StoreError::Open {
+            place: file.display().to_string(),
+            problem,
+            remedy: "give a folder that can be written with --data".to_owned(),
+        };
+        if let Some(known) = std::fs::read_to_string(&file).ok().and_then(|text| text.trim().parse().ok()) {
+            return Ok(known);
+        }
+        let mut bytes = [0; 8];
+        bytes.copy_from_slice(&random_bytes().map_err(|problem| failed(problem.to_string()))?[..8]);
+        let holder = i64::from_le_bytes(bytes);
+        std::fs::write(&file, format!("{holder}\n")).map_err(|problem| failed(problem.to_string()))?;
+        Ok(holder)
+    }
+
     /// Makes the folder and locks it.
     pub(super) fn lock(&self) -> Result<Option<File>, StoreError> {
         let place = self.folder.display().to_string();
@@ -103,29 +117,28 @@ impl RecordsLocation {
                 let address = sqlite_address(file, "rwc");
                 return self.opened(sqlite_options(options).connect(&address).await);
             }
-            Self::Postgres(address) => options.max_connections(CONNECTIONS).connect(address),
+            Self::Postgres(address) => {
+                return self.opened(postgres_options(options).connect(address).await);
+            }
         };
         self.opened(pool.await)
     }
 
-    /// Claims a database that several machines can reach, as long as the answer lives and its connection does not break.
+    /// Whether several coordinators may share it, of which one leads.
+    pub fn is_shared(&self) -> bool {
+        matches!(self, Self::Postgres(_))
+    }
+
+    /// Locks a database that several coordinators may share, while it is opened.
     ///
     /// # Errors
-    /// Another coordinator uses it, and goes on to for some seconds: that of one that was killed may take a moment to go.
-    pub(super) async fn claim(&self) -> Result<Option<AnyConnection>, StoreError> {
+    /// Another one leads.
+    pub(super) async fn lock_opening(&self, holder: i64) -> Result<Option<AnyConnection>, StoreError> {
         let Self::Postgres(address) = self else { return Ok(None) };
-        let mut connection = self.opened(AnyConnection::connect(address).await)?;
-        for _ in 0..CLAIM_ATTEMPTS {
-            let row = sqlx::query("SELECT pg_try_advisory_lock($1) AS claimed")
-                .bind(CLAIM)
-                .fetch_one(&mut connection)
-                .await?;
-            if row.try_get("claimed")? {
-                return Ok(Some(connection));
-            }
-            sleep(CLAIM_PAUSE).await;
-        }
-        Err(StoreError::InUse { place: self.name() })
+        install_default_drivers();
+        let mut connection = self.opened(leadership::lock_opening(address).await)?;
+        leadership::refuse_while_led(&mut connection, &self.name(), holder).await?;
+        Ok(Some(connection))
     }
 
     pub(super) fn opened<T>(&self, result: Result<T, sqlx::Error>) -> Result<T, StoreError> {
@@ -150,6 +163,16 @@ fn sqlite_options(options: AnyPoolOptions) -> AnyPoolOptions {
             for pragma in ["journal_mode = WAL", "synchronous = FULL", "busy_timeout = 10000", "foreign_keys = ON"] {
                 sqlx::query(sqlx::AssertSqlSafe(format!("PRAGMA {pragma}"))).execute(&mut *connection).await?;
             }
+            Ok(())
+        })
+    })
+}
+
+/// A coordinator that stops in the middle of a write, and does not go on, lets go of what it holds: another one may lead soon.
+fn postgres_options(options: AnyPoolOptions) -> AnyPoolOptions {
+    options.max_connections(CONNECTIONS).after_connect(|connection, _| {
+        Box::pin(async move {
+            sqlx::query("SET idle_in_transaction_session_timeout = '5s'").execute(&mut *connection).await?;
             Ok(())
         })
     })

@@ -15,14 +15,12 @@ impl Store {
         let query = "INSERT INTO users (name, role, created) VALUES ($1, $2, $3) \
                      ON CONFLICT (name) DO UPDATE SET role = excluded.role";
         let query = sqlx::query(query).bind(user.name.to_string()).bind(user.role.name()).bind(user.created);
-        query.execute(&self.pool).await?;
-        Ok(())
+        self.write(query).await
     }
 
     /// Deletes a user with all tokens.
     pub async fn delete_user(&self, name: &UserName) -> Result<(), StoreError> {
-        sqlx::query("DELETE FROM users WHERE name = $1").bind(name.to_string()).execute(&self.pool).await?;
-        Ok(())
+        self.write(sqlx::query("DELETE FROM users WHERE name = $1").bind(name.to_string())).await
     }
 
     /// All users, by name.
@@ -37,19 +35,17 @@ impl Store {
                      VALUES ($1, $2, $3, $4, $5, $6, $7)";
         let query = sqlx::query(query).bind(token.hash.digits()).bind(token.user.as_ref().map(ToString::to_string));
         let query = query.bind(token.label.clone()).bind(token.scope.name()).bind(token.created).bind(token.expires);
-        query.bind(token.parent.map(|parent| parent.digits())).execute(&self.pool).await?;
-        Ok(())
+        self.write(query.bind(token.parent.map(|parent| parent.digits()))).await
     }
 
     /// Deletes a token with those that came from it.
     pub async fn delete_token(&self, hash: &SecretHash) -> Result<(), StoreError> {
-        sqlx::query("DELETE FROM tokens WHERE hash = $1").bind(hash.digits()).execute(&self.pool).await?;
-        Ok(())
+        self.write(sqlx::query("DELETE FROM tokens WHERE hash = $1").bind(hash.digits())).await
     }
 
     /// All tokens that are valid at `now`, milliseconds since 1970. Others are deleted.
     pub async fn valid_tokens(&self, now: i64) -> Result<Vec<Token>, StoreError> {
-        sqlx::query("DELETE FROM tokens WHERE expires <= $1").bind(now).execute(&self.pool).await?;
+        self.write(sqlx::query("DELETE FROM tokens WHERE expires <= $1").bind(now)).await?;
         let query = "SELECT hash, user_name, label, scope, created, expires, parent FROM tokens ORDER BY hash";
         sqlx::query(query).fetch_all(&self.pool).await?.iter().map(read_token).collect()
     }

@@ -3,13 +3,16 @@
 //! | file | what |
 //! |---|---|
 //! | `location` | where it is |
+//! | `settings` | numbers that belong to the whole store |
 //! | `schema` | tables, and how older stores become newer ones |
 //! | [`jobs`], [`scenes`], [`members`], [`journal`] | records; durable when a call returns |
+//! | [`leadership`] | which coordinator may write, where several share a database |
 //! | [`blobs`] | scenes and snapshots: large, named by their hash, checked when read |
 //! | [`maintenance`] | check, export, clean up |
 //!
-//! Whatever changes records while a coordinator runs is one statement: a transaction that a full disk ends in the middle stays open on its
-//! connection, with the lock for writing (sqlx 0.9: it rolls back to a savepoint where SQLite has rolled back all).
+//! Whatever changes records while a coordinator runs is one statement, and goes by way of `Store::write`: a transaction on SQLite that a full disk
+//! ends in the middle stays open on its connection, with the lock for writing (sqlx 0.9: it rolls back to a savepoint where SQLite has rolled
+//! back all).
 //!
 //! One set of queries serves SQLite and PostgreSQL, one port serves folders, S3 and memory: a coordinator without a data folder uses
 //! the same code on a database in memory.
@@ -18,22 +21,23 @@ pub mod blobs;
 mod error;
 pub mod jobs;
 pub mod journal;
+pub mod leadership;
 mod location;
 pub mod maintenance;
 pub mod members;
 pub mod scenes;
 mod schema;
+mod settings;
 
 use std::fs::File;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-use sqlx::{AnyConnection, AnyPool, Connection};
+use leadership::Term;
+use sqlx::{AnyPool, Connection};
 
 pub use blobs::{BlobName, Blobs, Upload};
 pub use error::StoreError;
 pub use location::{BlobsLocation, RecordsLocation, StoreLocation};
-
-use crate::farm::locks::lock;
 
 /// An open store. Cheap to clone; all clones are the same one.
 #[derive(Clone)]
@@ -44,28 +48,41 @@ pub struct Store {
     is_durable: bool,
     /// Held as long as the store is open, so that no second coordinator writes into the same folder …
     _lock: Option<Arc<File>>,
-    /// … or the same database.
-    claim: Arc<Mutex<Option<AnyConnection>>>,
+    /// … or, where several share a database, looked at with every write.
+    term: Option<Term>,
 }
 
 impl Store {
     /// Opens a store; makes it if there is none, brings an older one up to date, and refuses a newer one without touching it.
+    ///
+    /// # Errors
+    /// [`StoreError::InUse`] while another coordinator uses it: with an SQLite file as long as that runs, with PostgreSQL as long as it leads.
     pub async fn open(location: &StoreLocation) -> Result<Self, StoreError> {
         let lock = location.lock()?.map(Arc::new);
         schema::refuse_newer(&location.records).await?;
+        let holder = location.holder()?;
+        let opening = location.records.lock_opening(holder).await?;
         let pool = location.records.connect().await?;
-        let claim = location.records.claim().await?;
         let blobs = Blobs::open(&location.blobs)?;
-        let epoch = schema::migrate(&pool, &blobs).await?;
-        Ok(Self { pool, blobs, epoch, is_durable: true, _lock: lock, claim: Arc::new(Mutex::new(claim)) })
+        schema::migrate(&pool, &blobs).await?;
+        let (epoch, term) = match opening {
+            None => (schema::count_opening(&pool).await?, None),
+            Some(opening) => {
+                let term = leadership::take_term(&pool, holder).await?;
+                opening.close().await?;
+                (term.epoch, Some(term))
+            }
+        };
+        Ok(Self { pool, blobs, epoch: epoch as u64, is_durable: true, _lock: lock, term })
     }
 
     /// A store in memory: it ends with the process.
     pub async fn in_memory() -> Result<Self, StoreError> {
         let pool = RecordsLocation::Memory.connect().await?;
         let blobs = Blobs::in_memory();
-        let epoch = schema::migrate(&pool, &blobs).await?;
-        Ok(Self { pool, blobs, epoch, is_durable: false, _lock: None, claim: Arc::default() })
+        schema::migrate(&pool, &blobs).await?;
+        let epoch = schema::count_opening(&pool).await? as u64;
+        Ok(Self { pool, blobs, epoch, is_durable: false, _lock: None, term: None })
     }
 
     /// How often this store was opened, this time included.
@@ -85,12 +102,7 @@ impl Store {
 
     /// Closes all connections.
     pub async fn close(&self) {
+        self.resign().await;
         self.pool.close().await;
-        let claim = lock(&self.claim).take();
-        if let Some(connection) = claim
-            && let Err(problem) = connection.close().await
-        {
-            tracing::debug!(%problem, "a connection to the database broke before it was closed");
-        }
     }
 }

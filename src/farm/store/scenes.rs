@@ -24,8 +24,7 @@ impl Store {
         let query =
             "INSERT INTO scenes (hash, bytes, created, record) VALUES ($1, $2, $3, $4) ON CONFLICT (hash) DO NOTHING";
         let query = sqlx::query(query).bind(scene.hash.clone()).bind(scene.bytes).bind(scene.created);
-        query.bind(scene.record.clone()).execute(&self.pool).await?;
-        Ok(())
+        self.write(query.bind(scene.record.clone())).await
     }
 
     /// All scenes, by hash.
@@ -36,8 +35,7 @@ impl Store {
 
     /// Deletes a scene's record. Fails while a job refers to it.
     pub async fn delete_scene(&self, hash: &str) -> Result<(), StoreError> {
-        sqlx::query("DELETE FROM scenes WHERE hash = $1").bind(hash.to_owned()).execute(&self.pool).await?;
-        Ok(())
+        self.write(sqlx::query("DELETE FROM scenes WHERE hash = $1").bind(hash.to_owned())).await
     }
 }
 

@@ -1,10 +1,11 @@
 //! The tables, and how older stores become newer ones: one step a version, each in a transaction.
 
-use sqlx::{AnyPool, Row};
+use sqlx::AnyPool;
 
 use super::blobs::Blobs;
 use super::error::StoreError;
 use super::location::{RecordsLocation, sqlite_address};
+use super::settings::{EPOCH, meta, set_meta};
 
 /// Steps from no tables to the newest version; a released one never changes. Both databases understand them.
 const MIGRATIONS: &[&[&str]] = &[FARM, ACCESS];
@@ -62,11 +63,11 @@ fn refuse(found: i64) -> Result<(), StoreError> {
     if found > VERSION { Err(StoreError::Newer { found, known: VERSION }) } else { Ok(()) }
 }
 
-/// Brings the tables up to date; answers how often the store was opened, this time included.
+/// Brings the tables up to date.
 ///
 /// # Errors
 /// It is new, but `blobs` are there: those of records that are lost.
-pub(super) async fn migrate(pool: &AnyPool, blobs: &Blobs) -> Result<u64, StoreError> {
+pub(super) async fn migrate(pool: &AnyPool, blobs: &Blobs) -> Result<(), StoreError> {
     let found = version(pool).await?;
     refuse(found)?;
     if found == 0 && !blobs.list().await?.is_empty() {
@@ -89,9 +90,14 @@ pub(super) async fn migrate(pool: &AnyPool, blobs: &Blobs) -> Result<u64, StoreE
         set_meta(&mut *transaction, "version", index as i64 + 1).await?;
         transaction.commit().await?;
     }
-    let epoch = meta(pool, "epoch").await?.unwrap_or(0) + 1;
-    set_meta(pool, "epoch", epoch).await?;
-    Ok(epoch as u64)
+    Ok(())
+}
+
+/// Counts that the store is opened; answers how often it was, this time included.
+pub(super) async fn count_opening(pool: &AnyPool) -> Result<i64, StoreError> {
+    let epoch = meta(pool, EPOCH).await?.unwrap_or(0) + 1;
+    set_meta(pool, EPOCH, epoch).await?;
+    Ok(epoch)
 }
 
 /// The version of the tables; 0 where there are none.
@@ -102,21 +108,4 @@ async fn version(pool: &AnyPool) -> Result<i64, StoreError> {
         Err(StoreError::Records(sqlx::Error::Database(_))) => Ok(0),
         Err(problem) => Err(problem),
     }
-}
-
-/// A number that belongs to the whole store.
-pub(super) async fn meta(pool: &AnyPool, name: &str) -> Result<Option<i64>, StoreError> {
-    let row = sqlx::query("SELECT value FROM meta WHERE name = $1").bind(name).fetch_optional(pool).await?;
-    Ok(row.map(|row| row.try_get("value")).transpose()?)
-}
-
-pub(super) async fn set_meta<'e>(
-    executor: impl sqlx::Executor<'e, Database = sqlx::Any>,
-    name: &str,
-    value: i64,
-) -> Result<(), StoreError> {
-    let query =
-        "INSERT INTO meta (name, value) VALUES ($1, $2) ON CONFLICT (name) DO UPDATE SET value = excluded.value";
-    sqlx::query(query).bind(name.to_owned()).bind(value).execute(executor).await?;
-    Ok(())
 }

@@ -1,7 +1,9 @@
 //! Requests to the coordinator, and pauses between attempts.
 
 use std::collections::hash_map::DefaultHasher;
+use std::fmt;
 use std::hash::{Hash, Hasher};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -54,30 +56,66 @@ impl CallError {
     }
 }
 
+/// Where the coordinator may be: one of several leads, the others stand by.
+struct Addresses {
+    all: Vec<String>,
+    current: AtomicUsize,
+}
+
+impl Addresses {
+    fn parse(text: &str) -> Result<Self, WorkerError> {
+        let all: Result<Vec<String>, WorkerError> = text.split(',').map(str::trim).map(address).collect();
+        Ok(Self { all: all?, current: AtomicUsize::new(0) })
+    }
+
+    fn current(&self) -> usize {
+        self.current.load(Ordering::Relaxed)
+    }
+
+    fn get(&self, index: usize) -> &str {
+        // `parse` answers at least one: splitting does.
+        self.all.get(index % self.all.len().max(1)).map_or("", String::as_str)
+    }
+
+    /// Nobody leads at that address. Of several requests that find so, one goes on to the next.
+    fn leave(&self, index: usize) {
+        let _ = self.current.compare_exchange(index, index.wrapping_add(1), Ordering::Relaxed, Ordering::Relaxed);
+    }
+}
+
+impl fmt::Display for Addresses {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.all.join(" or "))
+    }
+}
+
+fn address(text: &str) -> Result<String, WorkerError> {
+    let bad = |problem: String| WorkerError::BadAddress { address: text.to_owned(), problem };
+    let uri: Uri = text.parse().map_err(|problem: axum::http::uri::InvalidUri| bad(problem.to_string()))?;
+    if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none_or(str::is_empty) {
+        return Err(bad("it does not begin with http:// or https:// and a host".to_owned()));
+    }
+    Ok(text.trim_end_matches('/').to_owned())
+}
+
 /// The coordinator's worker protocol.
 #[derive(Clone)]
 pub(super) struct Client {
     http: legacy::Client<Dialer, Body>,
-    base: String,
-    address: String,
+    addresses: Arc<Addresses>,
     /// What it shows: the token by which it joins, then its own secret.
     authorization: Option<HeaderValue>,
     outage: Arc<Mutex<Option<Instant>>>,
 }
 
 impl Client {
-    /// A client for the coordinator at `address` that has joined nothing yet.
-    pub(super) fn new(address: &str, dialer: Dialer, token: Option<&Secret>) -> Result<Self, WorkerError> {
-        let bad = |problem: String| WorkerError::BadAddress { address: address.to_owned(), problem };
-        let uri: Uri = address.parse().map_err(|problem: axum::http::uri::InvalidUri| bad(problem.to_string()))?;
-        if !matches!(uri.scheme_str(), Some("http" | "https")) || uri.host().is_none_or(str::is_empty) {
-            return Err(bad("it does not begin with http:// or https:// and a host".to_owned()));
-        }
+    /// A client for the coordinator at one of the `addresses`, separated by commas, that has joined nothing yet.
+    pub(super) fn new(addresses: &str, dialer: Dialer, token: Option<&Secret>) -> Result<Self, WorkerError> {
+        let addresses = Arc::new(Addresses::parse(addresses)?);
         let http = legacy::Client::builder(TokioExecutor::new()).pool_timer(TokioTimer::new()).build(dialer);
-        let address = address.trim_end_matches('/').to_owned();
         let authorization = token.map(|token| authorization(token.reveal())).transpose();
         let authorization = authorization.map_err(|problem| WorkerError::Start(problem.to_string()))?;
-        Ok(Self { http, base: format!("{address}/farm/v1"), address, authorization, outage: Arc::default() })
+        Ok(Self { http, addresses, authorization, outage: Arc::default() })
     }
 
     /// The same client, as the worker that joined and was given `secret`.
@@ -103,7 +141,23 @@ impl Client {
     }
 
     async fn call(&self, method: Method, path: &str, body: Body, patience: Duration) -> Result<Bytes, CallError> {
-        let request = Request::builder().method(method).uri(format!("{}/{path}", self.base)).body(body);
+        let tried = self.addresses.current();
+        let answer = self.call_at(self.addresses.get(tried), method, path, body, patience).await;
+        if matches!(answer, Err(CallError::Unreachable(_) | CallError::Status(StatusCode::SERVICE_UNAVAILABLE, _))) {
+            self.addresses.leave(tried);
+        }
+        answer
+    }
+
+    async fn call_at(
+        &self,
+        address: &str,
+        method: Method,
+        path: &str,
+        body: Body,
+        patience: Duration,
+    ) -> Result<Bytes, CallError> {
+        let request = Request::builder().method(method).uri(format!("{address}/farm/v1/{path}")).body(body);
         let mut request = request.map_err(|problem| CallError::Unreachable(problem.to_string()))?;
         if let Some(authorization) = &self.authorization {
             request.headers_mut().insert(header::AUTHORIZATION, authorization.clone());
@@ -129,13 +183,14 @@ impl Client {
         match &result {
             Err(CallError::Unreachable(problem)) if outage.is_none() => {
                 *outage = Some(Instant::now());
-                tracing::warn!(target: EVENTS, "coordinator {} does not answer ({problem}); trying again", self.address);
+                tracing::warn!(target: EVENTS, "coordinator {} does not answer ({problem}); trying again", self.addresses);
             }
-            Err(CallError::Unreachable(_)) => {}
+            // One that stands by does not end the outage.
+            Err(CallError::Unreachable(_) | CallError::Status(StatusCode::SERVICE_UNAVAILABLE, _)) => {}
             _ => {
                 if let Some(since) = outage.take() {
                     let seconds = since.elapsed().as_secs_f64();
-                    tracing::info!(target: EVENTS, "coordinator {} answers again after {seconds:.0} s", self.address);
+                    tracing::info!(target: EVENTS, "coordinator {} answers again after {seconds:.0} s", self.addresses);
                 }
             }
         }

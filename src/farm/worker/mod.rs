@@ -31,7 +31,7 @@ pub const KEPT_SCENES: usize = 2;
 /// Who a worker is and for whom it works.
 #[derive(Clone)]
 pub struct WorkerOptions {
-    /// Base address of the coordinator, for example `http://127.0.0.1:8080`.
+    /// Base address of the coordinator, for example `http://127.0.0.1:8080`; of several that stand in for each other, separated by commas.
     pub coordinator: String,
     /// Name shown in the list of workers.
     pub name: String,
