@@ -11,10 +11,10 @@ use axum::routing::post;
 use hyper_util::client::legacy;
 use hyper_util::rt::TokioExecutor;
 use photonfarm::farm::Limits;
+use photonfarm::farm::dial::Dialer;
 use photonfarm::farm::http::server::serve;
 use photonfarm::farm::tls::client::{Trust, configure};
 use photonfarm::farm::tls::server::ServerTls;
-use photonfarm::farm::worker::dial::Dialer;
 use tokio::net::TcpListener;
 use tokio_util::sync::CancellationToken;
 

@@ -108,7 +108,7 @@ async fn every_endpoint_asks_who_it_is() {
         assert_eq!(status(None).await, 401, "{what} without a token");
         assert_eq!(status(Some("photonfarm_guessed")).await, 401, "{what} with a guessed token");
         let reads = method == Method::GET;
-        let is_for_admins = path.starts_with("/v1/users");
+        let is_for_admins = path.starts_with("/v1/users") || path.starts_with("/v1/webhooks");
         let is_for_users = path.starts_with("/v1/tokens") || path.starts_with("/v1/me");
         let viewer = farm.status(method.clone(), &path, Some(&vera)).await;
         let is_refused = |status: u16| status == 401 || status == 403;
@@ -292,4 +292,74 @@ async fn users_and_tokens_outlive_the_coordinator_and_secrets_are_nowhere_in_the
     assert_eq!(farm.status(Method::GET, "/v1/jobs", None).await, 401);
     let (status, job) = farm.json(Method::GET, &format!("/v1/jobs/{id}"), Some(&anna), Value::Null).await;
     assert_eq!((status, job["owner"].as_str()), (200, Some("anna")));
+}
+
+/// Sessions end with the token that somebody logged in with first, whatever was made of them meanwhile, and no later than it.
+#[tokio::test(flavor = "multi_thread")]
+async fn nothing_made_of_a_token_outlives_it() {
+    let farm = farm().await;
+    let anna = farm.add(None, "anna", "admin").await;
+    let login = async |token: &str| {
+        let request = farm.request(Method::POST, "/v1/session", None).header("Content-Type", "application/json");
+        let answer = request.body(json!({ "token": token }).to_string()).send().await.expect("an answer");
+        let cookie = answer.headers()["set-cookie"].to_str().expect("text");
+        cookie.split([';', '=']).nth(1).expect("a value").to_owned()
+    };
+    let (_, short) = farm.json(Method::POST, "/v1/tokens", Some(&anna), json!({ "days": 1, "label": "short" })).await;
+    let secret = short["secret"].as_str().expect("a secret").to_owned();
+    let first = login(&secret).await;
+    let second = login(&first).await;
+    let (status, further) = farm.json(Method::POST, "/v1/tokens", Some(&secret), json!({ "label": "further" })).await;
+    assert_eq!((status, further["expires"].as_i64() <= short["expires"].as_i64()), (201, true), "{further}");
+    let (_, list) = farm.json(Method::GET, "/v1/tokens", Some(&anna), Value::Null).await;
+    let pages = list["tokens"].as_array().expect("a list").iter().filter(|token| token["label"] == "page");
+    assert!(pages.clone().count() == 2 && pages.into_iter().all(|page| page["expires"] == short["expires"]), "{list}");
+    let id = short["id"].as_str().expect("an id");
+    assert_eq!(farm.status(Method::DELETE, &format!("/v1/tokens/{id}"), Some(&anna)).await, 204);
+    for token in [&secret, &first, &second] {
+        assert_eq!(farm.status(Method::GET, "/v1/me", Some(token)).await, 401);
+    }
+}
+
+/// Who was given at start logs in to the page, too.
+#[tokio::test(flavor = "multi_thread")]
+async fn an_admin_given_at_start_logs_in() {
+    let secret = "a".repeat(40);
+    let options = CoordinatorOptions { admin_token: secret.parse().ok(), ..CoordinatorOptions::default() };
+    let routes = |coordinator, shutdown| api::router(api::ApiState { coordinator, shutdown });
+    let local = LocalFarm::builder().workers(0).options(options).routes(routes).start().await.expect("a farm");
+    let farm = Farm { base: local.url(), http: http_client(Duration::from_secs(60)), local };
+    let request = farm.request(Method::POST, "/v1/session", None).header("Content-Type", "application/json");
+    let answer = request.body(json!({ "token": secret }).to_string()).send().await.expect("an answer");
+    let cookie = answer.headers()["set-cookie"].to_str().expect("text").split(';').next().expect("a value").to_owned();
+    let me =
+        async || farm.request(Method::GET, "/v1/me", None).header("Cookie", &cookie).send().await.expect("an answer");
+    assert_eq!(me().await.status(), 200);
+    let out = farm.request(Method::DELETE, "/v1/session", None).header("Cookie", &cookie);
+    assert_eq!(out.send().await.expect("an answer").status(), 204);
+    assert_eq!(me().await.status(), 401);
+}
+
+/// The same bytes have one owner, and limits hold for many requests at once.
+#[tokio::test(flavor = "multi_thread")]
+async fn uploads_at_the_same_time_pass_no_limit() {
+    let user = UserLimits { scene_bytes: SCENE.len() as u64 + 100, ..UserLimits::default() };
+    let farm = Farm::start_with(Store::in_memory().await.expect("a store"), Limits { user, ..Limits::default() }).await;
+    let anna = farm.add(None, "anna", "admin").await;
+    let ben = farm.add(Some(&anna), "ben", "artist").await;
+    let upload = async |token: &str, text: String| {
+        let request = farm.request(Method::POST, "/v1/scenes", Some(token)).body(text);
+        let response = request.send().await.expect("an answer");
+        let status = response.status().as_u16();
+        let scene: Value = serde_json::from_slice(&response.bytes().await.expect("a body")).unwrap_or_default();
+        (status, scene["owner"].as_str().unwrap_or_default().to_owned())
+    };
+    let other = || format!("{SCENE}<!-- other -->");
+    let (one, another) = tokio::join!(upload(&ben, SCENE.to_owned()), upload(&ben, other()));
+    let mut statuses = [one.0, another.0];
+    statuses.sort_unstable();
+    assert_eq!(statuses, [201, 429]);
+    let third = format!("{SCENE}<!-- third -->");
+    let (of_anna, of_ben) = tokio::join!(upload(&anna, third.clone()), upload(&anna, third));
+    assert_eq!((of_anna.1.as_str(), of_ben.1.as_str()), ("anna", "anna"));
 }

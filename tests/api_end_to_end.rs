@@ -404,6 +404,8 @@ async fn the_description_names_every_address() {
         "/v1/tokens/{id}",
         "/v1/users",
         "/v1/users/{name}",
+        "/v1/webhooks",
+        "/v1/webhooks/{id}",
         "/v1/workers",
         "/version",
     ];
@@ -645,8 +647,11 @@ async fn metrics_say_what_happened() {
 /// Graphs and alarms ask for numbers that there are.
 #[tokio::test(flavor = "multi_thread")]
 async fn dashboards_ask_for_metrics_that_exist() {
-    let farm = Farm::start(0).await;
-    farm.submit(json!({ "passes": 1 })).await;
+    let farm = Farm::start(1).await;
+    let id = farm.submit(json!({ "passes": 1_000_000 })).await;
+    while answer(farm.get(&format!("/v1/jobs/{id}")).await).await.1["estimated_error"].is_null() {
+        tokio::time::sleep(Duration::from_millis(50)).await;
+    }
     let text = farm.get("/metrics").await.text().await.expect("text");
     let known: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# TYPE ")?.split(' ').next()).collect();
     let asked =
@@ -660,4 +665,30 @@ async fn dashboards_ask_for_metrics_that_exist() {
     for name in names {
         assert!(known.contains(&name), "{name} is none of {known:?}");
     }
+}
+
+/// Who asks for much and reads nothing does not hold a connection for ever.
+#[tokio::test(flavor = "multi_thread")]
+async fn connections_that_read_nothing_are_closed() {
+    const REQUESTS: usize = 3000;
+    let farm = Farm::start_with(0, Limits { silence: 1, ..Limits::default() }).await;
+    let address = farm.base.trim_start_matches("http://").to_owned();
+    let whole = farm.get("/openapi.json").await.bytes().await.expect("a body").len() * REQUESTS;
+    let (mut reading, mut writing) = TcpStream::connect(&address).await.expect("a connection").into_split();
+    let asking = tokio::spawn(async move {
+        for _ in 0..REQUESTS {
+            let request = format!("GET /openapi.json HTTP/1.1\r\nHost: {address}\r\n\r\n");
+            if writing.write_all(request.as_bytes()).await.is_err() {
+                break;
+            }
+        }
+        writing
+    });
+    tokio::time::sleep(Duration::from_secs(4)).await;
+    let (mut received, mut buffer) = (0, vec![0; 1 << 16]);
+    while let Ok(count @ 1..) = reading.read(&mut buffer).await {
+        received += count;
+    }
+    assert!(received < whole, "{received} of {whole} bytes came although nothing was read for seconds");
+    drop(asking);
 }

@@ -17,11 +17,11 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::serve::Listener;
+use photonfarm::farm::dial::Dialer;
 use photonfarm::farm::ids::JobId;
 use photonfarm::farm::job::{JobRequest, JobState, StopRule};
 use photonfarm::farm::prepared_scenes::PreparedScenes;
 use photonfarm::farm::store::{Store, StoreLocation};
-use photonfarm::farm::worker::dial::Dialer;
 use photonfarm::farm::worker::{WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, LocalFarm, http};
 use seeds::{Faults, Schedules, run_seeds};

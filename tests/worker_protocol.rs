@@ -8,7 +8,7 @@ mod http_client;
 use hand::Hand;
 use photonfarm::farm::access::caller::Caller;
 use photonfarm::farm::access::scope::{Role, Scope};
-use photonfarm::farm::coordinator::members::TokenRequest;
+use photonfarm::farm::coordinator::tokens::TokenRequest;
 use photonfarm::farm::ids::JobId;
 use photonfarm::farm::job::{JobRequest, StopRule};
 use photonfarm::farm::wire::BUILD;
@@ -107,4 +107,27 @@ async fn workers_join_by_token_and_leave_with_it() {
     farm.client().revoke_token(&Caller::Anyone, &joined.expect("it is listed").id).await.expect("revoked");
     assert_eq!(hand.post("heartbeat", Vec::new()).await.0, 410, "its token is revoked");
     assert_eq!(Hand::register(&farm.url(), Some(&token), BUILD).await.err(), Some(401));
+}
+
+/// A lease's result comes once at a time, and is no longer than it can be: nobody fills the place that others need.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_lease_takes_no_more_place_than_its_result_needs() {
+    let farm = farm(Limits::default()).await;
+    submit(&farm).await;
+    let hand = Hand::register(&farm.url(), None, BUILD).await.expect("a place");
+    let lease = hand.lease().await;
+    let path = Hand::address(&lease);
+    let answer = answer_to_unfinished(&farm, &path, &hand.secret, "Content-Length: 500000000").await;
+    assert_eq!(answer, "HTTP/1.1 413");
+    let slow = answer_to_unfinished(&farm, &path, &hand.secret, "Content-Length: 1000");
+    tokio::select! {
+        answer = slow => panic!("answered before its end: {answer}"),
+        status = async {
+            tokio::time::sleep(std::time::Duration::from_millis(300)).await;
+            hand.deliver(&lease, None).await
+        } => assert_eq!(status, 503, "the same result is on its way"),
+    }
+    // Nobody listens to the slow one any more.
+    tokio::time::sleep(std::time::Duration::from_millis(300)).await;
+    assert_eq!(hand.deliver(&lease, None).await, 422);
 }

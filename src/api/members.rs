@@ -13,7 +13,7 @@ use crate::farm::access::caller::Caller;
 use crate::farm::access::scope::Role;
 use crate::farm::access::token::TokenView;
 use crate::farm::access::user::{BadUserName, User, UserName};
-use crate::farm::coordinator::members::{NewToken, TokenRequest};
+use crate::farm::coordinator::tokens::{NewToken, TokenRequest};
 
 /// A user to be added.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]

@@ -9,7 +9,7 @@
 //! | [`security_headers`] | what every answer tells browsers not to do |
 //! | [`guard`] | who may use which endpoint |
 //! | [`session`], [`members`] | who one is; users and tokens |
-//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`], [`metrics`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
 //! | [`standby`] | what is answered while another coordinator leads |
 //! | [`openapi`] | the description of all this, generated from the handlers |
 
@@ -32,6 +32,7 @@ pub mod scenes;
 pub mod security_headers;
 pub mod session;
 pub mod standby;
+pub mod webhooks;
 pub mod workers;
 
 use axum::Router;
@@ -55,6 +56,9 @@ pub struct ApiState {
     /// Cancelled when the server stops; ends event streams, which would otherwise go on as long as their jobs.
     pub shutdown: CancellationToken,
 }
+
+/// Bytes of a body that is neither a scene nor a job.
+const SMALL_BODY: usize = 1 << 16;
 
 /// The API and the dashboard, without the workers' protocol.
 pub fn router(state: ApiState) -> Router {
@@ -108,7 +112,8 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(workers::limits))
         .route_layer(from_fn_with_state(state.clone(), guard::read_or_submit))
         .merge(member_routes(state))
-        .routes(routes!(session::log_in, session::log_out));
+        .routes(routes!(session::log_in, session::log_out))
+        .layer(DefaultBodyLimit::max(SMALL_BODY));
     let watched = OpenApiRouter::new()
         .routes(routes!(metrics::metrics))
         .route_layer(from_fn_with_state(state.clone(), guard::users));
@@ -129,6 +134,8 @@ fn member_routes(state: &ApiState) -> OpenApiRouter<ApiState> {
     let for_admins = OpenApiRouter::new()
         .routes(routes!(members::list_users, members::add_user))
         .routes(routes!(members::change_user, members::delete_user))
+        .routes(routes!(webhooks::list_webhooks, webhooks::add_webhook))
+        .routes(routes!(webhooks::delete_webhook))
         .route_layer(from_fn_with_state(state.clone(), guard::admins));
     for_users.merge(for_admins)
 }

@@ -134,7 +134,7 @@ impl From<FarmError> for Problem {
                 Self::new(StatusCode::NOT_FOUND, "unknown-scene", detail).remedy("upload it with POST /v1/scenes")
             }
             FarmError::UnknownMember(_) => Self::new(StatusCode::NOT_FOUND, "unknown-member", detail)
-                .remedy("see GET /v1/users and GET /v1/tokens"),
+                .remedy("list users, tokens or webhooks for those there are"),
             FarmError::Denied(denied) => denied.into(),
             FarmError::UnknownJob(id) => Self::unknown_job(&id.to_string()),
             FarmError::BadScene(error) => Self::from(error),

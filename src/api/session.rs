@@ -71,9 +71,7 @@ pub async fn log_in(State(state): State<ApiState>, JsonBody(login): JsonBody<Log
 #[utoipa::path(delete, path = "/session", tag = "users", responses((status = 204, description = "Logged out")))]
 pub async fn log_out(State(state): State<ApiState>, headers: HeaderMap) -> Result<Response, Problem> {
     let caller = state.coordinator.caller(session(&headers))?;
-    if let Caller::User { token, .. } = &caller {
-        state.coordinator.revoke_token(&caller, &token.id()).await?;
-    }
+    state.coordinator.log_out(&caller).await?;
     let cookie = cookie("", 0, state.coordinator.is_encrypted());
     Ok((StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response())
 }

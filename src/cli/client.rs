@@ -3,7 +3,7 @@
 mod members;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use clap::Args;
@@ -22,14 +22,17 @@ use crate::api::jobs::{JobSubmission, JobsQuery};
 use crate::api::problem::Problem;
 use crate::farm::SceneSummary;
 use crate::farm::access::secret::Secret;
+use crate::farm::dial::TlsSettings;
 use crate::farm::job::{JobStatus, StopRule, WorkerStatus};
 use crate::farm::tls;
-use crate::farm::worker::dial::TlsSettings;
 
 /// How often in a row a broken stream of events is opened again.
 const RECONNECTS: u32 = 10;
 /// The pause before that.
 const RECONNECT_PAUSE: Duration = Duration::from_secs(1);
+
+/// How long a coordinator may take to say whether it leads, where several may.
+const LOOK_PATIENCE: Duration = Duration::from_secs(3);
 
 /// How often a picture is asked for whose layers are not there yet; each request waits for some seconds.
 const WAITS: u32 = 30;
@@ -60,6 +63,8 @@ pub(super) struct Client {
     bases: Vec<Url>,
     /// Which of them answered last.
     current: Arc<AtomicUsize>,
+    /// Whether it was seen to lead.
+    is_found: Arc<AtomicBool>,
 }
 
 #[derive(Deserialize)]
@@ -101,7 +106,7 @@ impl Client {
             .default_headers(authorization(token)?)
             .build();
         let http = http.map_err(|error| CliError::Failed(format!("cannot start the HTTP client: {error}")))?;
-        Ok(Self { http, bases, current: Arc::default() })
+        Ok(Self { http, bases, current: Arc::default(), is_found: Arc::default() })
     }
 
     /// Uploads a scene and tells its hash.
@@ -202,6 +207,7 @@ impl Client {
                 Ok(None) => {}
             }
             failures += 1;
+            self.is_found.store(false, Ordering::Relaxed);
             tokio::time::sleep(RECONNECT_PAUSE).await;
         }
     }
@@ -237,9 +243,30 @@ impl Client {
         &self.bases[self.current.load(Ordering::Relaxed) % self.bases.len()]
     }
 
+    /// Looks which of several leads: one that hangs takes connections and never answers.
+    async fn find_leader(&self) {
+        if self.bases.len() == 1 || self.is_found.load(Ordering::Relaxed) {
+            return;
+        }
+        for (index, base) in self.bases.iter().enumerate() {
+            let Ok(address) = base.join("/readyz") else { continue };
+            let answer = self.http.get(address).timeout(LOOK_PATIENCE).send().await;
+            if answer.is_ok_and(|answer| answer.status().is_success()) {
+                self.current.store(index, Ordering::Relaxed);
+                self.is_found.store(true, Ordering::Relaxed);
+                return;
+            }
+        }
+    }
+
     /// Sends a request to the one that leads; where several may, each is asked once.
     async fn send(&self, request: RequestBuilder) -> Result<Response, CliError> {
+        let before = self.current.load(Ordering::Relaxed);
+        self.find_leader().await;
         let mut request = request.build().map_err(|error| self.unreachable(&error))?;
+        if before != self.current.load(Ordering::Relaxed) {
+            request = self.for_current(request);
+        }
         let mut left = self.bases.len();
         loop {
             left -= 1;
@@ -249,14 +276,17 @@ impl Client {
                 answer.as_ref().map_or(true, |answer| answer.status() == StatusCode::SERVICE_UNAVAILABLE);
             match again.filter(|_| is_elsewhere) {
                 None => return answer.map_err(|error| self.unreachable(&error)),
-                Some(next) => request = self.for_next(next),
+                Some(next) => {
+                    self.is_found.store(false, Ordering::Relaxed);
+                    self.current.fetch_add(1, Ordering::Relaxed);
+                    request = self.for_current(next);
+                }
             }
         }
     }
 
-    /// The same request for the next address.
-    fn for_next(&self, mut request: Request) -> Request {
-        self.current.fetch_add(1, Ordering::Relaxed);
+    /// The same request for the address that is tried now.
+    fn for_current(&self, mut request: Request) -> Request {
         let mut address = self.base().clone();
         address.set_path(request.url().path());
         address.set_query(request.url().query());
@@ -285,11 +315,20 @@ impl Client {
         while let Some(deeper) = cause.source() {
             cause = deeper;
         }
-        CliError::Unreachable(format!(
-            "no coordinator answers at {} ({cause}); start one with `photonfarm serve`, or give its address with \
-             --coordinator or PHOTONFARM_URL",
-            self.base()
-        ))
+        let (base, cause) = (self.base(), cause.to_string());
+        let advice = match cause.as_str() {
+            cause if cause.contains("ApplicationVerificationFailure") => {
+                "its certificate is not the one that --fingerprint names; compare with what the coordinator printed"
+            }
+            cause if cause.contains("invalid peer certificate") => {
+                "its certificate is not trusted here; give the fingerprint that it printed with --fingerprint, or --authorities"
+            }
+            cause if cause.contains("invalid HTTP version") => {
+                "it encrypts; write https://, and give its --fingerprint"
+            }
+            _ => "start one with `photonfarm serve`, or give its address with --coordinator or PHOTONFARM_URL",
+        };
+        CliError::Unreachable(format!("no coordinator answers at {base} ({cause}); {advice}"))
     }
 
     fn not_a_coordinator(&self, error: &serde_json::Error) -> CliError {
@@ -301,10 +340,13 @@ impl Client {
 }
 
 fn address(text: &str) -> Result<Url, CliError> {
-    let address = Url::parse(text).ok().filter(|url| matches!(url.scheme(), "http" | "https") && url.has_host());
+    let is_plain = |url: &Url| url.has_host() && url.username().is_empty() && url.password().is_none();
+    let address = Url::parse(text).ok().filter(|url| matches!(url.scheme(), "http" | "https") && is_plain(url));
     address.ok_or_else(|| {
         let remedy = "write http://HOST:PORT or https://HOST:PORT";
-        CliError::Unreachable(format!("\"{text}\" is not the address of a coordinator; {remedy}"))
+        // What stands before an @ may be a password.
+        let shown = text.rsplit('@').next().unwrap_or_default();
+        CliError::Unreachable(format!("\"{shown}\" is not the address of a coordinator; {remedy}"))
     })
 }
 

@@ -1,6 +1,6 @@
 //! `serve`: a coordinator, with workers of its own if wanted.
 
-use std::net::TcpListener;
+use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -16,6 +16,7 @@ use crate::api;
 use crate::farm::local_farm::LocalFarmError;
 use crate::farm::standby::{Standby, open_in_turn};
 use crate::farm::store::Store;
+use crate::farm::tls::fingerprint::Fingerprint;
 use crate::farm::tls::server::ServerTls;
 use crate::farm::{CoordinatorOptions, LocalFarm, UserLimits};
 
@@ -91,6 +92,12 @@ impl Serve {
         let options = self.options()?;
         let tls = self.tls()?;
         let listener = self.bind().await?;
+        let is_shared = self.store.location()?.is_some_and(|place| place.records.is_shared());
+        if is_shared {
+            // It may stand by for long.
+            let address = listener.local_addr().map_err(|problem| self.cannot_listen(&problem))?;
+            self.say_where(address, tls.as_ref().map(ServerTls::fingerprint));
+        }
         let Some(store) = self.open_in_turn(&listener, tls.clone()).await? else { return Ok(()) };
         if let Err(refused) = self.refuse_to_stand_open(&listener, &store).await {
             store.close().await;
@@ -108,16 +115,16 @@ impl Serve {
             let (jobs, they) = if live == 1 { ("job goes", "it was") } else { ("jobs go", "they were") };
             terminal::note(&format!("{live} {jobs} on from where {they} stored"));
         }
-        let scheme = if fingerprint.is_some() { "https" } else { "http" };
-        terminal::note(&format!("photonfarm listens at {scheme}://{}", farm.address()));
+        if !is_shared {
+            self.say_where(farm.address(), fingerprint);
+        }
         match fingerprint {
-            Some(fingerprint) => terminal::note(&format!("its certificate is {fingerprint}")),
             None if !farm.address().ip().is_loopback() => {
                 terminal::note(
                     "connections are not encrypted: tokens and pictures can be read on their way; see --tls",
                 );
             }
-            None => {}
+            _ => {}
         }
         let result = tokio::select! {
             result = signals::interrupted() => result,
@@ -142,6 +149,14 @@ impl Serve {
             terminal::note(&format!("{jobs} stored; start `serve` with the same --data to go on"));
         }
         result
+    }
+
+    fn say_where(&self, address: SocketAddr, fingerprint: Option<Fingerprint>) {
+        let scheme = if fingerprint.is_some() { "https" } else { "http" };
+        terminal::note(&format!("photonfarm listens at {scheme}://{address}"));
+        if let Some(fingerprint) = fingerprint {
+            terminal::note(&format!("its certificate is {fingerprint}"));
+        }
     }
 
     /// A socket for as long as this coordinator runs, whether it stands by or leads.
@@ -169,11 +184,8 @@ impl Serve {
     fn tls(&self) -> Result<Option<ServerTls>, CliError> {
         let folder = self.store.location()?.map(|location| location.folder);
         let mut names = vec!["localhost".to_owned(), "127.0.0.1".to_owned(), "::1".to_owned()];
-        names.extend(self.host_names.iter().cloned());
-        let listen = self.listen.rsplit_once(':').map_or("", |(host, _)| host).trim_matches(['[', ']']);
-        if !listen.is_empty() && !names.iter().any(|name| name == listen) {
-            names.push(listen.to_owned());
-        }
+        names.extend(self.host_names.iter().cloned().chain(own_names()));
+        names.dedup();
         self.tls.server(folder.as_deref(), &names)
     }
 
@@ -188,10 +200,12 @@ impl Serve {
             terminal::note(&format!("there are no users: anyone who reaches {listen} may do everything"));
             return Ok(());
         }
+        let is_elsewhere = self.store.location()?.is_some_and(|place| place.records.is_shared());
+        let database = if is_elsewhere { " and the same --database and --blobs" } else { "" };
         let data = self.store.location()?.map_or_else(|| "DIR".to_owned(), |place| place.folder.display().to_string());
         Err(CliError::BadInput(format!(
             "there are no users, so anyone who reaches {listen} could do everything; make the first one with \
-             `photonfarm store add-admin NAME --data {data}`, give --admin-token-file, or start with --insecure"
+             `photonfarm store add-admin NAME --data {data}`{database}, give --admin-token-file, or start with --insecure"
         )))
     }
 
@@ -244,4 +258,16 @@ impl Serve {
         }
         signals::end_on_next_interrupt();
     }
+}
+
+/// By what other machines call this one, as far as it knows: its name, and the address from which it reaches others.
+fn own_names() -> Vec<String> {
+    let name = std::fs::read_to_string("/proc/sys/kernel/hostname").ok().map(|name| name.trim().to_owned());
+    // Nothing is sent: connecting a UDP socket only chooses the address. 192.0.2.1 is nobody's (RFC 5737).
+    let address = UdpSocket::bind("0.0.0.0:0").and_then(|socket| {
+        socket.connect("192.0.2.1:9")?;
+        socket.local_addr()
+    });
+    let address = address.ok().map(|address| address.ip()).filter(|ip| !ip.is_loopback() && !ip.is_unspecified());
+    name.into_iter().filter(|name| !name.is_empty()).chain(address.map(|ip| ip.to_string())).collect()
 }

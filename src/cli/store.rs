@@ -51,23 +51,38 @@ impl Store {
     pub(super) async fn run(self) -> Result<(), CliError> {
         match self.task {
             Task::Check { store } => {
-                let report = store.open_existing().await?.check().await?;
+                let store = store.open_existing().await?;
+                let report = store.check().await;
+                store.close().await;
+                let report = report?;
                 terminal::json(&report)?;
                 match report.problems.len() {
                     0 => Ok(()),
                     count => Err(CliError::File(format!("{count} blobs are missing or damaged"))),
                 }
             }
-            Task::Export { file, store } => Ok(store.open_existing().await?.export(&file).await?),
+            Task::Export { file, store } => {
+                let store = store.open_existing().await?;
+                let exported = store.export(&file).await;
+                store.close().await;
+                Ok(exported?)
+            }
             Task::AddAdmin { name, store } => {
-                let secret = make_admin(&store.open().await?, name.clone()).await;
+                let store = store.open().await?;
+                let secret = make_admin(&store, name.clone()).await;
+                store.close().await;
                 let secret = secret.map_err(|problem| CliError::File(problem.to_string()))?;
                 terminal::note(&format!(
                     "this token is {name}'s; it is shown this once, and is as good as a password:"
                 ));
                 terminal::result(secret.reveal())
             }
-            Task::Gc { store } => terminal::json(&store.open_existing().await?.clean_up().await?),
+            Task::Gc { store } => {
+                let store = store.open_existing().await?;
+                let report = store.clean_up().await;
+                store.close().await;
+                terminal::json(&report?)
+            }
         }
     }
 }

@@ -9,7 +9,7 @@ use super::terminal;
 use crate::farm::access::scope::Scope;
 use crate::farm::access::token::TokenView;
 use crate::farm::access::user::UserName;
-use crate::farm::coordinator::members::TokenRequest;
+use crate::farm::coordinator::tokens::TokenRequest;
 
 /// Make, list and revoke the tokens by which users and workers are known.
 #[derive(Clone, Debug, Args)]

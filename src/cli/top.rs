@@ -68,7 +68,7 @@ async fn look(client: &Client, most: usize) -> Result<Vec<String>, CliError> {
     let all = JobsQuery::default();
     let (jobs, workers) = tokio::try_join!(client.jobs(&all), client.workers())?;
     let live: Vec<&JobStatus> = jobs.iter().filter(|job| !job.state.is_final()).collect();
-    let rate: f64 = live.iter().map(|job| job.photons_per_second).sum();
+    let rate = live.iter().fold(0.0, |rate, job| rate + job.photons_per_second);
     let threads: u32 = workers.iter().map(|worker| worker.threads).sum();
     let mut lines = vec![
         format!(

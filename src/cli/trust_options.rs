@@ -6,11 +6,11 @@ use std::sync::Arc;
 use clap::Args;
 
 use super::exit_code::CliError;
+use crate::farm::dial::TlsSettings;
 use crate::farm::tls::TlsError;
 use crate::farm::tls::client::{self, Trust};
 use crate::farm::tls::files::IdentityFiles;
 use crate::farm::tls::fingerprint::Fingerprint;
-use crate::farm::worker::dial::TlsSettings;
 
 /// Which coordinator a command trusts when it is reached by https.
 #[derive(Clone, Debug, Args)]

@@ -8,8 +8,8 @@ use super::farm_options::threads_per_worker;
 use super::signals;
 use super::token_option::TokenOption;
 use super::trust_options::TrustOptions;
+use crate::farm::dial::Dialer;
 use crate::farm::prepared_scenes::PreparedScenes;
-use crate::farm::worker::dial::Dialer;
 use crate::farm::worker::{KEPT_SCENES, WorkerOptions, run_worker};
 
 /// Work for a coordinator.

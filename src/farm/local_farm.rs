@@ -30,6 +30,7 @@ use tokio_util::sync::CancellationToken;
 
 use super::access::secret::Secret;
 use super::coordinator::{CoordinatorHandle, CoordinatorOptions};
+use super::dial::Dialer;
 use super::error::FarmError;
 use super::http;
 use super::prepared_scenes::PreparedScenes;
@@ -37,7 +38,6 @@ use super::store::Store;
 use super::tls::TlsError;
 use super::tls::client::{self, Trust};
 use super::tls::server::ServerTls;
-use super::worker::dial::Dialer;
 use super::worker::{KEPT_SCENES, WorkerError, WorkerOptions, run_worker};
 
 /// How long requests and workers may take to end.

@@ -31,13 +31,16 @@
 //! | [`store`] | what outlives the process: records in SQL, blobs in folders or buckets |
 //! | [`coordinator`] | the loop between them: locks, a clock, users' requests, what is stored when |
 //! | [`http`], [`wire`] | the workers' protocol |
-//! | [`worker`] | the other end; [`worker::dial`] opens its connections |
+//! | [`worker`] | the other end |
+//! | [`dial`] | how this process opens connections to others |
 //! | [`method_choice`], [`prepared_scenes`], [`tls`] | trials of methods; the scenes of this process; the cryptography of its clients |
+//! | [`webhooks`] | programs that are told of jobs |
 //! | [`standby`] | coordinators that wait until they lead |
 //! | [`local_farm`] | all of it inside a program |
 
 pub mod access;
 pub mod coordinator;
+pub mod dial;
 pub mod error;
 mod events;
 pub mod http;
@@ -53,6 +56,7 @@ pub mod snapshot;
 pub mod standby;
 pub mod store;
 pub mod tls;
+pub mod webhooks;
 pub mod wire;
 pub mod worker;
 

@@ -6,7 +6,7 @@ use super::{CliError, Client, accepted, checked_name};
 use crate::api::members::{AddedUser, IssuedToken, NewUser, TokenList, UserList, UserPatch};
 use crate::farm::access::token::TokenView;
 use crate::farm::access::user::User;
-use crate::farm::coordinator::members::TokenRequest;
+use crate::farm::coordinator::tokens::TokenRequest;
 
 impl Client {
     pub(in crate::cli) async fn users(&self) -> Result<Vec<User>, CliError> {

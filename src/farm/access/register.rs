@@ -17,6 +17,15 @@ pub struct Register {
     given: HashMap<SecretHash, Token>,
 }
 
+/// The token with which somebody logged in first.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Origin {
+    /// The token.
+    pub token: Token,
+    /// Whether it outlives the process.
+    pub is_stored: bool,
+}
+
 impl Register {
     /// Those that are stored.
     pub fn new(users: Vec<User>, tokens: Vec<Token>) -> Self {
@@ -60,6 +69,13 @@ impl Register {
         self.tokens.get(hash).or_else(|| self.given.get(hash)).filter(|token| token.is_valid(now))
     }
 
+    /// The token that `hash` came from by logging in, or that itself, if both are taken at `now`.
+    pub fn origin(&self, hash: &SecretHash, now: i64) -> Option<Origin> {
+        let token = self.valid(hash, now)?;
+        let first = token.parent.unwrap_or(*hash);
+        Some(Origin { token: self.valid(&first, now)?.clone(), is_stored: self.tokens.contains_key(&first) })
+    }
+
     /// A user.
     pub fn user(&self, name: &UserName) -> Option<&User> {
         self.users.get(name)
@@ -99,6 +115,7 @@ impl Register {
     /// Takes a token away, with those that somebody got by logging in with it.
     pub fn remove_token(&mut self, hash: &SecretHash) {
         self.tokens.retain(|known, token| known != hash && token.parent.as_ref() != Some(hash));
+        self.given.retain(|_, token| token.parent.is_none() || token.hash != *hash);
     }
 
     /// Whether `name` is the only admin.

@@ -11,15 +11,17 @@ use super::scope::Role;
 /// Bytes of a name at most.
 const LONGEST: usize = 64;
 
-/// A user's name: 1 to 64 small letters, digits and `.`, `_`, `-`, `@`, so that names that look alike are alike.
+/// A user's name: 1 to 64 small letters, digits and `.`, `_`, `-`, `@`, of which the first is a letter or digit, so that names that look alike are alike.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "String", into = "String")]
-#[schema(value_type = String, pattern = "^[a-z0-9._@-]{1,64}$")]
+#[schema(value_type = String, pattern = "^[a-z0-9][a-z0-9._@-]{0,63}$")]
 pub struct UserName(String);
 
 /// A text that is not a user's name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a user's name is 1 to {LONGEST} small letters, digits, dots, dashes, underscores and @")]
+#[error(
+    "a user's name is 1 to {LONGEST} small letters, digits, dots, dashes, underscores and @, and begins with a letter or digit"
+)]
 pub struct BadUserName;
 
 impl UserName {
@@ -39,7 +41,9 @@ impl FromStr for UserName {
 
     fn from_str(text: &str) -> Result<Self, BadUserName> {
         let is_plain = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"._-@".contains(&byte);
-        if (1..=LONGEST).contains(&text.len()) && text.bytes().all(is_plain) {
+        // `.` and `..` mean something else in addresses.
+        let begins_well = text.bytes().next().is_some_and(|byte| byte.is_ascii_alphanumeric());
+        if begins_well && text.len() <= LONGEST && text.bytes().all(is_plain) {
             Ok(Self(text.to_owned()))
         } else {
             Err(BadUserName)
@@ -87,7 +91,7 @@ mod tests {
         for name in ["a", "anna", "a.b-c_d@studio.example", "0"] {
             assert_eq!(name.parse::<UserName>().map(String::from).as_deref(), Ok(name));
         }
-        for name in ["", "Anna", "a b", "a/b", "ä", "a\n", &"a".repeat(LONGEST + 1)] {
+        for name in ["", ".", "..", "-a", "Anna", "a b", "a/b", "ä", "a\n", &"a".repeat(LONGEST + 1)] {
             assert_eq!(name.parse::<UserName>(), Err(BadUserName), "{name}");
         }
     }

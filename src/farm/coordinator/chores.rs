@@ -3,6 +3,7 @@
 use tokio::sync::oneshot;
 
 use crate::farm::ids::JobId;
+use crate::farm::job::JobState;
 use crate::farm::rules::Rollback;
 use crate::farm::store::journal::JournalRow;
 
@@ -18,6 +19,13 @@ pub(super) enum Chore {
     RollBack(Rollback),
     /// Lines of the journal.
     Journal(Vec<JournalRow>),
+    /// What webhooks are told of a job.
+    Announce {
+        /// The job.
+        job: JobId,
+        /// The state that it is in now.
+        state: JobState,
+    },
     /// A worker was there.
     Worker {
         /// Its name.

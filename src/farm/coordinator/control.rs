@@ -72,6 +72,8 @@ impl Shared {
         if !status.state.is_final() {
             return Err(wrong_state(id, status.state));
         }
+        // Extensions and new jobs come one after the other, so that none passes a limit beside another.
+        let _turn = self.catalogue.take().await?;
         self.check_room(&self.lock())?;
         let pixels = u64::from(status.width) * u64::from(status.height);
         self.check_user_jobs(&self.lock(), job.owner().as_ref(), pixels, stop)?;

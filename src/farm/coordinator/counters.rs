@@ -12,6 +12,9 @@ use crate::farm::rules::{Answer, Event, Notice};
 /// What the names of all metrics begin with.
 pub(super) const PREFIX: &str = "photonfarm";
 
+/// What becomes of results.
+const OUTCOMES: [&str; 5] = ["taken", "compared", "repeated", "late", "bad"];
+
 /// Names and values of labels.
 pub(super) type Labels = Vec<(&'static str, String)>;
 
@@ -48,6 +51,9 @@ impl Counters {
             snapshot_seconds,
             snapshot_bytes: Counter::default(),
         };
+        for outcome in OUTCOMES {
+            counters.results.get_or_create(&vec![("outcome", outcome.to_owned())]).inc_by(0);
+        }
         counters.register();
         counters
     }

@@ -112,6 +112,7 @@ impl Keeper {
                 Ok(job) => shared.roll_back(&job, rollback.keep).await,
                 Err(_) => Ok(()),
             },
+            Chore::Announce { job, state } => shared.announce(*job, *state).await,
             Chore::Journal(rows) => shared.store.append_journal(rows).await,
             Chore::Worker { name, threads } => {
                 shared.store.record_worker(name, *threads, shared.clock.unix_milliseconds()).await

@@ -7,6 +7,7 @@ use tokio::sync::mpsc;
 use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
 
+use super::announcing::keep_announcing;
 use super::chores::Chore;
 use super::clock::Clock;
 use super::keeper::keep;
@@ -45,6 +46,7 @@ impl Shared {
         tokio::spawn(keep(Arc::downgrade(&shared), waiting));
         tokio::spawn(keep_time(Arc::downgrade(&shared), shared.stopped.clone()));
         tokio::spawn(keep_leading(Arc::downgrade(&shared), shared.stopped.clone()));
+        tokio::spawn(keep_announcing(Arc::downgrade(&shared), shared.stopped.clone()));
         Ok(shared)
     }
 

@@ -35,6 +35,8 @@ pub struct Limits {
     pub users: usize,
     /// Tokens of a user, logins of the page included, and those by which workers join.
     pub tokens: usize,
+    /// Webhooks.
+    pub webhooks: usize,
     /// Uploads at the same time.
     pub uploads: usize,
     /// Connections at the same time; further ones wait.
@@ -89,6 +91,7 @@ impl Default for Limits {
             user: UserLimits::default(),
             users: 10_000,
             tokens: 100,
+            webhooks: 100,
             uploads: 4,
             connections: 4096,
             silence: 30,

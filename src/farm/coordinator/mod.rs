@@ -9,15 +9,17 @@
 //! | `lifetime` | how it starts, lets time pass, and stops |
 //! | `shared` | events go in, effects are carried out |
 //! | `scenes`, `jobs`, `control` | what users ask for, one `turn` after the other |
-//! | [`members`] | who they are, and what they may do |
+//! | [`members`], [`tokens`] | who they are, and what they may do |
 //! | `results` | what workers deliver |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
 //! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
 //! | [`request`], `status` | what users say and are told |
+//! | `announcing` | what webhooks are told |
 //! | `feed` | all changes of all jobs, numbered |
 //! | `counters`, `metrics` | what is counted and measured, for Prometheus |
 //! | `options`, `limits`, `quotas` | how it runs, what it accepts, and what of one user |
 
+mod announcing;
 mod chores;
 mod clock;
 mod control;
@@ -41,6 +43,7 @@ mod scenes;
 mod seen_first;
 mod shared;
 mod status;
+pub mod tokens;
 mod turn;
 mod viewed;
 

@@ -1,11 +1,29 @@
 //! What one user may take of a farm, so that nobody fills it alone. Admins may take all; without users there is nobody to count.
 
+use std::sync::Arc;
+
 use super::shared::{Shared, State};
 use crate::farm::access::scope::Role;
 use crate::farm::access::user::UserName;
 use crate::farm::error::FarmError;
 use crate::farm::job::StopRule;
 use crate::farm::locks::lock;
+
+/// An upload of a user that is on its way.
+pub(super) struct OwnUpload {
+    shared: Arc<Shared>,
+    user: UserName,
+}
+
+impl Drop for OwnUpload {
+    fn drop(&mut self) {
+        let mut uploading = lock(&self.shared.uploading);
+        if let Some(own) = uploading.get_mut(&self.user) {
+            *own -= 1;
+        }
+        uploading.retain(|_, own| *own > 0);
+    }
+}
 
 impl Shared {
     /// Whether there are limits for a user.
@@ -56,6 +74,19 @@ impl Shared {
             return Ok(());
         }
         Err(self.busy(format!("{user}'s scenes have {kept} bytes, and {most} are allowed; delete some first")))
+    }
+
+    /// Counts one more upload of a user, until the answer is dropped. Half of all places is for one user.
+    pub(super) fn take_upload_of(self: &Arc<Self>, user: Option<&UserName>) -> Result<Option<OwnUpload>, FarmError> {
+        let Some(user) = user.filter(|user| self.is_limited(user)) else { return Ok(None) };
+        let most = (self.options.limits.uploads / 2).max(1);
+        let mut uploading = lock(&self.uploading);
+        let own = uploading.entry(user.clone()).or_default();
+        if *own >= most {
+            return Err(self.busy(format!("{user} uploads {own} scenes already")));
+        }
+        *own += 1;
+        Ok(Some(OwnUpload { shared: self.clone(), user: user.clone() }))
     }
 
     fn busy(&self, problem: String) -> FarmError {

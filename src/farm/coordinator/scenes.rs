@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use bytes::Bytes;
 use tokio::sync::OwnedSemaphorePermit;
 
+use super::quotas::OwnUpload;
 use super::scene_record::{SceneRecord, SceneSummary};
 use super::shared::{Shared, blocking};
 use crate::farm::access::user::UserName;
@@ -54,8 +55,9 @@ impl Shared {
             let problem = format!("{} scenes are being uploaded already", limits.uploads);
             return Err(FarmError::Busy { problem, retry_after: limits.retry_after() });
         };
+        let own = self.take_upload_of(owner.as_ref())?;
         let upload = self.store.blobs().begin_scene().await?;
-        Ok(SceneUpload { shared: self.clone(), upload, owner, _slot: slot })
+        Ok(SceneUpload { shared: self.clone(), upload, owner, _slot: slot, _own: own })
     }
 
     /// Checks an uploaded scene and keeps it, or leaves nothing of it.
@@ -66,11 +68,7 @@ impl Shared {
             uploaded.discard().await?;
             return Ok(known.summary.clone());
         }
-        if let Err(problem) = self.check_user_scenes(owner.as_ref(), uploaded.bytes) {
-            uploaded.discard().await?;
-            return Err(problem);
-        }
-        let record = match self.check_scene(&uploaded, owner).await {
+        let record = match self.check_scene(&uploaded, owner.clone()).await {
             Ok(record) => record,
             Err(problem) => {
                 uploaded.discard().await?;
@@ -84,6 +82,15 @@ impl Shared {
                 return Err(problem);
             }
         };
+        // Somebody may have uploaded the same, or as much as they may, while this was checked.
+        if let Ok(known) = self.scene(&hash) {
+            uploaded.discard().await?;
+            return Ok(known.summary.clone());
+        }
+        if let Err(problem) = self.check_user_scenes(owner.as_ref(), uploaded.bytes) {
+            uploaded.discard().await?;
+            return Err(problem);
+        }
         uploaded.keep().await?;
         let row = SceneRow {
             hash: hash.clone(),
@@ -186,6 +193,7 @@ pub struct SceneUpload {
     upload: Upload,
     owner: Option<UserName>,
     _slot: OwnedSemaphorePermit,
+    _own: Option<OwnUpload>,
 }
 
 impl SceneUpload {

@@ -33,6 +33,7 @@ use crate::farm::rules::{Answer, Effects, Event, Notice, Rules};
 use crate::farm::store::Store;
 use crate::farm::store::jobs::Snapshots;
 use crate::farm::store::journal::JournalRow;
+use crate::farm::webhooks::webhook::Webhook;
 use crate::farm::wire::lease::JobDescription;
 
 /// What all clones of a handle share.
@@ -44,11 +45,14 @@ pub(in crate::farm) struct Shared {
     pub(super) viewed: Viewed,
     state: Mutex<State>,
     pub(super) register: Mutex<Register>,
+    pub(super) webhooks: Mutex<Vec<Webhook>>,
     pub(super) counters: Counters,
     pub(super) feed: Feed,
     pub(in crate::farm) worker_secrets: WorkerSecrets,
     pub(super) seen_first: SeenFirst,
     pub(super) uploads: Arc<Semaphore>,
+    /// How many of them are whose.
+    pub(super) uploading: Mutex<BTreeMap<UserName, usize>>,
     /// Whoever adds or deletes scenes, or jobs that refer to them.
     pub(super) catalogue: Turn,
     /// Whoever changes users or tokens.
@@ -187,11 +191,13 @@ impl Shared {
         let state = State { rules, jobs: BTreeMap::new(), scenes: HashMap::new(), last_job, is_closed: false };
         Ok(Self {
             register: Mutex::default(),
+            webhooks: Mutex::default(),
             counters: Counters::new(),
             feed: Feed::new(),
             worker_secrets: WorkerSecrets::new()?,
             members: Turn::default(),
             uploads: Arc::new(Semaphore::new(options.limits.uploads)),
+            uploading: Mutex::default(),
             catalogue: Turn::default(),
             options,
             clock,
@@ -268,6 +274,11 @@ impl Shared {
             tracing::info!(target: EVENTS, "{text}");
             if let Notice::Joined { name, threads, .. } = notice {
                 self.leave_to_keeper(Chore::Worker { name: name.clone(), threads: *threads });
+            }
+            if let Notice::State { job, state, .. } = notice
+                && !lock(&self.webhooks).is_empty()
+            {
+                self.leave_to_keeper(Chore::Announce { job: *job, state: *state });
             }
             let worker = notice.worker().map(str::to_owned);
             JournalRow { sequence: 0, time, job: notice.job(), worker, text }

@@ -25,6 +25,30 @@ pub(super) fn is_awaited(shared: &Shared, delivery: Delivery) -> bool {
     state.rules.leases().get(lease).is_some_and(|lease| lease.worker == worker && lease.fencing == fencing)
 }
 
+/// How many bytes the result of an awaited delivery may have: all its planes without compression, and a little. `None` when it is not awaited.
+pub(super) fn awaited_bytes(shared: &Shared, delivery: Delivery) -> Result<Option<u64>, Problem> {
+    /// Names, counts and the lengths of chunks.
+    const FURTHER: u64 = 1 << 16;
+    /// Bytes a pixel of pilots and first surfaces at most: sixteen numbers.
+    const PIXEL: u64 = 64;
+    if !is_awaited(shared, delivery) {
+        return Ok(None);
+    }
+    let Some(lease) = shared.lock().rules.leases().get(delivery.lease).copied() else { return Ok(None) };
+    let job = shared.job(lease.job)?.description();
+    let pixels = u64::from(job.width) * u64::from(job.height);
+    let bytes = match lease.work {
+        Work::Choice => 0,
+        Work::Pilot | Work::FirstSurfaces => PIXEL * pixels,
+        Work::Shard(_, planned) | Work::Check(_, planned) => {
+            let numbers: usize = declaration(&job)?.planes.iter().map(|plane| plane.channels).sum();
+            planned.shard.region.pixel_count(job.width) as u64 * numbers as u64 * size_of::<f32>() as u64
+        }
+    };
+    // Numbers that do not compress grow by a part in 255.
+    Ok(Some(bytes + bytes / 128 + FURTHER))
+}
+
 /// Answers a worker whose lease has ended; the rules know whether well or badly, whatever the result holds.
 pub(super) fn turn_away(shared: &Shared, delivery: Delivery) -> Result<ResultResponse, Problem> {
     if is_awaited(shared, delivery) {
@@ -113,5 +137,6 @@ fn fenced() -> Problem {
 
 /// A worker's message is shown to users: its first thousand characters are enough.
 fn shorten(problem: &str) -> String {
-    problem.chars().take(1000).collect()
+    // Nothing in it may move a terminal's cursor or begin a line of a log.
+    problem.chars().take(1000).map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
 }

@@ -16,6 +16,7 @@
 mod admission;
 pub mod bearer;
 mod delivery;
+mod patient_stream;
 mod problem;
 mod receiving;
 pub mod server;
@@ -27,7 +28,7 @@ use std::time::Duration;
 
 use axum::Router;
 use axum::body::{Body, Bytes};
-use axum::extract::{DefaultBodyLimit, Extension, Path, State};
+use axum::extract::{DefaultBodyLimit, Extension, FromRequest, Path, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::middleware::from_fn_with_state;
 use axum::response::{IntoResponse, Response};
@@ -85,11 +86,13 @@ fn written(message: &impl Message) -> Response {
 async fn register(
     State(coordinator): State<CoordinatorHandle>,
     headers: HeaderMap,
-    body: Bytes,
+    request: Request,
 ) -> Result<Response, Problem> {
+    // Who may not join is told so before a byte is kept.
     let admitted = coordinator.caller(bearer(&headers)).and_then(|caller| caller.token_to_join());
     let token = admitted.map_err(|denied| Problem::denied(&denied))?;
-    let request: RegisterRequest = read(body)?;
+    let body = Bytes::from_request(request, &()).await;
+    let request: RegisterRequest = read(body.map_err(|problem| Problem::new(problem.status(), problem.body_text()))?)?;
     if request.build != wire::BUILD {
         let text = format!(
             "this worker is build {}, the coordinator is build {}; run the same program on both sides",
@@ -192,11 +195,14 @@ async fn result(
     body: Body,
 ) -> Result<Response, Problem> {
     let delivery = Delivery { worker, lease: LeaseId::new(lease), fencing: Fencing::new(fencing) };
-    if !delivery::is_awaited(&coordinator.shared, delivery) {
+    let shared = coordinator.shared.clone();
+    let Some(most) = delivery::awaited_bytes(&shared, delivery)? else {
         receiving::pass_over(body).await?;
-        return Ok(written(&delivery::turn_away(&coordinator.shared, delivery)?));
-    }
-    let received = room.receive(&headers, body).await?;
+        return Ok(written(&delivery::turn_away(&shared, delivery)?));
+    };
+    // A worker whose token is revoked keeps no lease alive, so what it sends is not awaited soon.
+    let is_awaited = || delivery::is_awaited(&shared, delivery);
+    let received = room.receive(delivery.lease, most, &headers, body, is_awaited).await?;
     coordinator.count_received(received.body.len() as u64);
     // The merge goes on when the worker hangs up: its result was taken.
     let shared = coordinator.shared.clone();

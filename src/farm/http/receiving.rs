@@ -1,15 +1,19 @@
 //! Bodies of results: as many at the same time as memory is meant for.
 
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex};
 
-use axum::body::{Body, Bytes, to_bytes};
+use axum::body::{Body, Bytes};
 use axum::http::{HeaderMap, StatusCode, header};
+use bytes::BytesMut;
 use futures_util::StreamExt;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use super::problem::Problem;
 use super::server::fell_silent;
 use crate::farm::coordinator::Limits;
+use crate::farm::ids::LeaseId;
+use crate::farm::locks::lock;
 
 /// Bytes that one permit stands for.
 const PERMIT_BYTES: u64 = 1024;
@@ -19,6 +23,25 @@ const PERMIT_BYTES: u64 = 1024;
 pub(super) struct ResultRoom {
     permits: Arc<Semaphore>,
     limit: u64,
+    on_the_way: Arc<Mutex<BTreeSet<LeaseId>>>,
+}
+
+/// A result that is being received; no second one of the same lease is, meanwhile.
+struct OnTheWay<'a> {
+    all: &'a Mutex<BTreeSet<LeaseId>>,
+    lease: LeaseId,
+}
+
+impl<'a> OnTheWay<'a> {
+    fn begin(all: &'a Mutex<BTreeSet<LeaseId>>, lease: LeaseId) -> Option<Self> {
+        lock(all).insert(lease).then_some(Self { all, lease })
+    }
+}
+
+impl Drop for OnTheWay<'_> {
+    fn drop(&mut self) {
+        lock(self.all).remove(&self.lease);
+    }
 }
 
 /// A body, and the place that it takes for as long as it is held.
@@ -45,24 +68,42 @@ impl ResultRoom {
     pub(super) fn new(limits: &Limits) -> Self {
         // One result must always find place.
         let room = limits.result_memory.max(limits.result_bytes).div_ceil(PERMIT_BYTES);
-        Self { permits: Arc::new(Semaphore::new(room.min(u64::from(u32::MAX)) as usize)), limit: limits.result_bytes }
+        let permits = Arc::new(Semaphore::new(room.min(u64::from(u32::MAX)) as usize));
+        Self { permits, limit: limits.result_bytes, on_the_way: Arc::default() }
     }
 
-    /// Waits for place and reads the body.
+    /// Waits for place and reads the body of a lease's result, of at most `most` bytes, as long as it `is_awaited`.
     ///
     /// # Errors
-    /// No length is given, it is above the limit, or the bytes stop coming.
-    pub(super) async fn receive(&self, headers: &HeaderMap, body: Body) -> Result<Received, Problem> {
+    /// No length is given, it is above a limit, the bytes stop coming, nobody waits for them any more, or they are on their way already.
+    pub(super) async fn receive(
+        &self,
+        lease: LeaseId,
+        most: u64,
+        headers: &HeaderMap,
+        body: Body,
+        is_awaited: impl Fn() -> bool,
+    ) -> Result<Received, Problem> {
         let length = headers.get(header::CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse::<u64>().ok());
         let length = length.ok_or_else(|| Problem::new(StatusCode::LENGTH_REQUIRED, "give Content-Length"))?;
-        if length > self.limit {
-            let text = format!("the result has {length} bytes; {} are taken", self.limit);
+        let limit = self.limit.min(most);
+        if length > limit {
+            let text = format!("the result has {length} bytes; {limit} are taken");
             return Err(Problem::new(StatusCode::PAYLOAD_TOO_LARGE, text));
         }
+        let Some(_only) = OnTheWay::begin(&self.on_the_way, lease) else {
+            return Err(Problem::new(StatusCode::SERVICE_UNAVAILABLE, "this result is on its way already"));
+        };
         let permits = length.div_ceil(PERMIT_BYTES) as u32;
         let place = self.permits.clone().acquire_many_owned(permits).await;
         let place = place.map_err(|problem| Problem::new(StatusCode::SERVICE_UNAVAILABLE, problem.to_string()))?;
-        let body = to_bytes(body, length as usize).await.map_err(|problem| broken(&problem))?;
-        Ok(Received { body, _place: place })
+        let (mut chunks, mut received) = (body.into_data_stream(), BytesMut::with_capacity(length as usize));
+        while let Some(chunk) = chunks.next().await {
+            received.extend_from_slice(&chunk.map_err(|problem| broken(&problem))?);
+            if !is_awaited() {
+                return Err(Problem::new(StatusCode::CONFLICT, "this lease ended while its result came"));
+            }
+        }
+        Ok(Received { body: received.freeze(), _place: place })
     }
 }

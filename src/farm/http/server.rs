@@ -21,6 +21,7 @@ use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsAcceptor;
 use tokio_util::sync::CancellationToken;
 
+use super::patient_stream::PatientStream;
 use crate::farm::coordinator::Limits;
 use crate::farm::tls::server::ServerTls;
 
@@ -33,7 +34,7 @@ trait Stream: AsyncRead + AsyncWrite + Send + Unpin {}
 impl<T: AsyncRead + AsyncWrite + Send + Unpin> Stream for T {}
 
 /// Serves until `stopped`, then lets open requests end. A connection is closed when no request or no further byte of one comes for
-/// [`Limits::silence`]. Encrypted connections only, where `tls` is given.
+/// [`Limits::silence`], or nothing of an answer is read for as long. Encrypted connections only, where `tls` is given.
 pub async fn serve(
     listener: TcpListener,
     application: Router,
@@ -68,6 +69,7 @@ pub async fn serve(
         tokio::spawn(async move {
             let ended = match timeout(silence, encrypted(stream, tls)).await {
                 Ok(Ok(stream)) => {
+                    let stream = PatientStream::new(stream, silence);
                     let connection = server.serve_connection(TokioIo::new(stream), service);
                     watcher.watch(connection).await.map_err(io::Error::other)
                 }

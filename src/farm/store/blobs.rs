@@ -75,6 +75,16 @@ pub struct Blobs {
 }
 
 impl Blobs {
+    /// Looks whether they can be reached at all.
+    pub(super) async fn check(&self) -> Result<(), StoreError> {
+        let Some(Err(problem)) = self.store.list(Some(&self.prefix)).next().await else { return Ok(()) };
+        Err(StoreError::Open {
+            place: "of the blobs".to_owned(),
+            problem: problem.to_string(),
+            remedy: "check --blobs, its keys and its endpoint".to_owned(),
+        })
+    }
+
     pub(super) fn open(location: &BlobsLocation) -> Result<Self, StoreError> {
         match location {
             BlobsLocation::Folder(folder) => {

@@ -17,7 +17,7 @@ pub enum StoreError {
         remedy: String,
     },
     /// Another coordinator uses it.
-    #[error("the store {place} is used by another coordinator; stop that one, or give this one another --data folder")]
+    #[error("the store {place} is used by another coordinator; stop that one, or give this one another store")]
     InUse {
         /// Where it is.
         place: String,

@@ -84,7 +84,7 @@ impl StoreLocation {
             problem: problem.to_string(),
             remedy: "give a folder that can be written with --data".to_owned(),
         };
-        std::fs::create_dir_all(&self.folder).map_err(cannot_open)?;
+        make_private(&self.folder).map_err(cannot_open)?;
         let file = self.folder.join("lock");
         let file = OpenOptions::new().create(true).truncate(false).write(true).open(file).map_err(cannot_open)?;
         match file.try_lock() {
@@ -148,6 +148,15 @@ impl RecordsLocation {
             remedy: "check that it can be reached and written".to_owned(),
         })
     }
+}
+
+/// Makes a folder that only this user looks into; one that is there stays as it is.
+fn make_private(folder: &Path) -> std::io::Result<()> {
+    let mut builder = std::fs::DirBuilder::new();
+    builder.recursive(true);
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.create(folder)
 }
 
 /// How sqlx names an SQLite file.

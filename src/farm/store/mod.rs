@@ -5,7 +5,7 @@
 //! | `location` | where it is |
 //! | `settings` | numbers that belong to the whole store |
 //! | `schema` | tables, and how older stores become newer ones |
-//! | [`jobs`], [`scenes`], [`members`], [`journal`] | records; durable when a call returns |
+//! | [`jobs`], [`scenes`], [`members`], [`webhooks`], [`journal`] | records; durable when a call returns |
 //! | [`leadership`] | which coordinator may write, where several share a database |
 //! | [`blobs`] | scenes and snapshots: large, named by their hash, checked when read |
 //! | [`maintenance`] | check, export, clean up |
@@ -28,6 +28,7 @@ pub mod members;
 pub mod scenes;
 mod schema;
 mod settings;
+pub mod webhooks;
 
 use std::fs::File;
 use std::sync::Arc;
@@ -64,6 +65,7 @@ impl Store {
         let opening = location.records.lock_opening(holder).await?;
         let pool = location.records.connect().await?;
         let blobs = Blobs::open(&location.blobs)?;
+        blobs.check().await?;
         schema::migrate(&pool, &blobs).await?;
         let (epoch, term) = match opening {
             None => (schema::count_opening(&pool).await?, None),

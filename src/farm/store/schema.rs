@@ -8,7 +8,7 @@ use super::location::{RecordsLocation, sqlite_address};
 use super::settings::{EPOCH, meta, set_meta};
 
 /// Steps from no tables to the newest version; a released one never changes. Both databases understand them.
-const MIGRATIONS: &[&[&str]] = &[FARM, ACCESS];
+const MIGRATIONS: &[&[&str]] = &[FARM, ACCESS, WEBHOOKS];
 
 const FARM: &[&str] = &[
     "CREATE TABLE scenes (hash TEXT PRIMARY KEY, bytes BIGINT NOT NULL, created BIGINT NOT NULL, record TEXT NOT NULL)",
@@ -29,6 +29,14 @@ const ACCESS: &[&str] = &[
      parent TEXT REFERENCES tokens (hash) ON DELETE CASCADE)",
     "CREATE INDEX tokens_by_user ON tokens (user_name)",
     "CREATE INDEX tokens_by_parent ON tokens (parent)",
+];
+
+const WEBHOOKS: &[&str] = &[
+    "CREATE TABLE webhooks (id TEXT PRIMARY KEY, url TEXT NOT NULL, signing_key TEXT NOT NULL, created BIGINT NOT NULL)",
+    "CREATE TABLE messages (id TEXT PRIMARY KEY, webhook TEXT NOT NULL REFERENCES webhooks (id) ON DELETE CASCADE, \
+     body TEXT NOT NULL, attempt BIGINT NOT NULL, due BIGINT NOT NULL)",
+    "CREATE INDEX messages_by_time ON messages (due)",
+    "CREATE INDEX messages_by_webhook ON messages (webhook)",
 ];
 
 /// The newest version that this program knows.

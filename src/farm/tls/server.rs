@@ -39,8 +39,8 @@ impl ServerTls {
         if !identity.certificate.exists() {
             let made = make(names)?;
             fs::create_dir_all(folder).map_err(|problem| unwritable(folder, &problem))?;
-            write_private(&identity.key, &made.key.serialize_pem())?;
-            write_private(&identity.certificate, &made.certificate.pem())?;
+            write_new(&identity.key, &made.key.serialize_pem(), 0o600)?;
+            write_new(&identity.certificate, &made.certificate.pem(), 0o644)?;
         }
         Self::from_files(&identity, clients)
     }
@@ -93,14 +93,19 @@ fn make(names: &[String]) -> Result<Made, TlsError> {
     Ok(Made { certificate: parameters.self_signed(&key)?, key })
 }
 
-/// Writes a file that only this user reads.
-fn write_private(file: &Path, text: &str) -> Result<(), TlsError> {
+/// Writes a file of such permissions, whole or not at all. What stood there before, also a link, is replaced.
+fn write_new(file: &Path, text: &str, permissions: u32) -> Result<(), TlsError> {
+    let partial = file.with_extension("partial");
     let mut options = OpenOptions::new();
-    options.write(true).create(true).truncate(true);
+    options.write(true).create_new(true);
+    #[cfg(not(unix))]
+    let _ = permissions;
     #[cfg(unix)]
-    std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
-    let written = options.open(file).and_then(|mut file| file.write_all(text.as_bytes()));
-    written.map_err(|problem| unwritable(file, &problem))
+    std::os::unix::fs::OpenOptionsExt::mode(&mut options, permissions);
+    // Of an attempt that was broken off.
+    let _ = fs::remove_file(&partial);
+    let written = options.open(&partial).and_then(|mut file| file.write_all(text.as_bytes()));
+    written.and_then(|()| fs::rename(&partial, file)).map_err(|problem| unwritable(file, &problem))
 }
 
 fn unwritable(place: &Path, problem: &std::io::Error) -> TlsError {

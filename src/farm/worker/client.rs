@@ -16,9 +16,9 @@ use hyper_util::rt::{TokioExecutor, TokioTimer};
 use prost::Message;
 use tokio::time::{Instant, timeout};
 
-use super::dial::Dialer;
 use super::error::WorkerError;
 use crate::farm::access::secret::Secret;
+use crate::farm::dial::Dialer;
 use crate::farm::events::EVENTS;
 use crate::farm::locks::lock;
 
@@ -183,7 +183,13 @@ impl Client {
         match &result {
             Err(CallError::Unreachable(problem)) if outage.is_none() => {
                 *outage = Some(Instant::now());
-                tracing::warn!(target: EVENTS, "coordinator {} does not answer ({problem}); trying again", self.addresses);
+                let advice = if problem.contains("invalid peer certificate") {
+                    "give its fingerprint with --fingerprint, or --authorities; "
+                } else {
+                    ""
+                };
+                let addresses = &self.addresses;
+                tracing::warn!(target: EVENTS, "coordinator {addresses} does not answer ({problem}); {advice}trying again");
             }
             // One that stands by does not end the outage.
             Err(CallError::Unreachable(_) | CallError::Status(StatusCode::SERVICE_UNAVAILABLE, _)) => {}

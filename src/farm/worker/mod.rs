@@ -2,7 +2,6 @@
 
 mod cache;
 mod client;
-pub mod dial;
 mod error;
 mod pool;
 mod session;
@@ -15,12 +14,12 @@ use tokio::time::sleep;
 use tokio_util::sync::CancellationToken;
 
 use crate::farm::access::secret::Secret;
+use crate::farm::dial::Dialer;
 use crate::farm::events::EVENTS;
 use crate::farm::prepared_scenes::PreparedScenes;
 use crate::farm::wire;
 use crate::farm::wire::messages::{RegisterRequest, RegisterResponse};
 use client::{Backoff, CallError, Client};
-use dial::Dialer;
 pub use error::WorkerError;
 use pool::RenderPool;
 use session::{MESSAGE_TIMEOUT, Session, SessionEnd};

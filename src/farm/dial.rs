@@ -1,4 +1,4 @@
-//! How a worker reaches its coordinator: over TCP, or over what a test puts in its place.
+//! How a worker reaches its coordinator, and a coordinator those that it tells of jobs: over TCP, or over what a test puts in its place.
 
 use std::io;
 use std::pin::Pin;
