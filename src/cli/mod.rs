@@ -15,6 +15,7 @@ mod health;
 mod import;
 mod job_options;
 mod jobs;
+mod log_option;
 mod map;
 mod methods;
 mod one_job;
@@ -51,7 +52,7 @@ use std::future::Future;
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 use tracing::level_filters::LevelFilter;
 use tracing_subscriber::Layer;
 use tracing_subscriber::filter::Targets;
@@ -59,6 +60,7 @@ use tracing_subscriber::layer::SubscriberExt;
 use tracing_subscriber::util::SubscriberInitExt;
 
 use exit_code::{CliError, EXIT_CODES};
+use log_option::LogForm;
 
 use crate::farm::EVENTS;
 use crate::farm::wire::BUILD;
@@ -70,20 +72,8 @@ struct CommandLine {
     /// Log more to standard error; twice for still more.
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
-    /// How log lines are written.
-    #[arg(long, global = true, value_enum, default_value_t = LogForm::Text, env = "PHOTONFARM_LOG", value_name = "FORM")]
-    log: LogForm,
     #[command(subcommand)]
     command: Command,
-}
-
-/// How log lines are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LogForm {
-    /// For people.
-    Text,
-    /// A line of JSON each, for programs that collect logs.
-    Json,
 }
 
 #[derive(Debug, Subcommand)]
@@ -126,8 +116,12 @@ pub fn main() -> ExitCode {
         return ExitCode::FAILURE;
     }
     let command_line = CommandLine::parse();
-    let runs_farm = matches!(command_line.command, Command::Serve(_) | Command::Worker(_));
-    start_log(command_line.verbose, command_line.log, runs_farm);
+    let farm_log = match &command_line.command {
+        Command::Serve(serve) => Some(serve.log.log),
+        Command::Worker(worker) => Some(worker.log.log),
+        _ => None,
+    };
+    start_log(command_line.verbose, farm_log);
     match run(command_line.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -180,7 +174,7 @@ fn in_runtime(command: impl Future<Output = Result<(), CliError>>) -> Result<(),
     result
 }
 
-fn start_log(verbose: u8, form: LogForm, runs_farm: bool) {
+fn start_log(verbose: u8, farm_log: Option<LogForm>) {
     let level = match verbose {
         0 => LevelFilter::WARN,
         1 => LevelFilter::INFO,
@@ -188,10 +182,10 @@ fn start_log(verbose: u8, form: LogForm, runs_farm: bool) {
         _ => LevelFilter::TRACE,
     };
     // Who joins, leaves or dies is for everybody who runs a farm.
-    let events = if runs_farm { level.max(LevelFilter::INFO) } else { level };
+    let events = if farm_log.is_some() { level.max(LevelFilter::INFO) } else { level };
     let filter = Targets::new().with_default(level).with_target(EVENTS, events);
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).log_internal_errors(false);
-    let lines = match form {
+    let lines = match farm_log.unwrap_or_default() {
         LogForm::Text => lines.with_ansi(std::io::stderr().is_terminal()).with_target(false).boxed(),
         LogForm::Json => lines.json().flatten_event(true).boxed(),
     };

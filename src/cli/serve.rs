@@ -8,6 +8,7 @@ use clap::Args;
 
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
+use super::log_option::LogOption;
 use super::store_options::StoreOptions;
 use super::tls_options::TlsOptions;
 use super::token_option::token_file;
@@ -46,6 +47,8 @@ pub(super) struct Serve {
     store: StoreOptions,
     #[command(flatten)]
     tls: TlsOptions,
+    #[command(flatten)]
+    pub(super) log: LogOption,
     /// Memory for the states of running jobs, GiB [default: half of this machine's].
     #[arg(long, value_name = "GIB")]
     memory: Option<f64>,

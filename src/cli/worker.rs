@@ -5,6 +5,7 @@ use tokio_util::sync::CancellationToken;
 
 use super::exit_code::CliError;
 use super::farm_options::threads_per_worker;
+use super::log_option::LogOption;
 use super::signals;
 use super::token_option::TokenOption;
 use super::trust_options::TrustOptions;
@@ -24,6 +25,8 @@ pub(super) struct Worker {
     token: TokenOption,
     #[command(flatten)]
     trust: TrustOptions,
+    #[command(flatten)]
+    pub(super) log: LogOption,
     /// Rendering threads [default: all processors].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,

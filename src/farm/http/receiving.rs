@@ -34,7 +34,9 @@ struct OnTheWay<'a> {
 
 impl<'a> OnTheWay<'a> {
     fn begin(all: &'a Mutex<BTreeSet<LeaseId>>, lease: LeaseId) -> Option<Self> {
-        lock(all).insert(lease).then_some(Self { all, lease })
+        let is_first = lock(all).insert(lease);
+        // Made only then: what is dropped takes the lease out.
+        if is_first { Some(Self { all, lease }) } else { None }
     }
 }
 
