@@ -1,4 +1,5 @@
-//! Jobs as they change, as server-sent events. Every event has an id; a stream that is opened again with `Last-Event-ID` tells what was missed.
+//! Jobs as they change, as server-sent events. The stream of all jobs numbers what it says, and tells what was missed when it is opened again with
+//! `Last-Event-ID`; that of one job begins with how it is.
 
 use std::convert::Infallible;
 use std::time::Duration;
@@ -149,8 +150,8 @@ fn change_events(watching: Watching) -> impl Stream<Item = Vec<Result<Event, Inf
 /// Only the last event of a batch has an id: whoever receives a part of it gets the whole batch again.
 fn events(changes: Changes, is_reset: bool, id: &str) -> Vec<Result<Event, Infallible>> {
     let reset = is_reset.then(|| Event::default().event("reset").data("{}"));
-    let deleted = changes.deleted.into_iter().map(|job| (json!({ "id": job.to_string() }), "deleted"));
-    let deleted = deleted.filter_map(|(data, name)| Event::default().event(name).json_data(data).ok());
+    let deleted = changes.deleted.into_iter().map(|job| json!({ "id": job.to_string() }));
+    let deleted = deleted.filter_map(|data| Event::default().event("deleted").json_data(data).ok());
     let statuses = changes.jobs.into_iter().map(JobView::from);
     let statuses = statuses.filter_map(|job| Event::default().event("status").json_data(job).ok());
     let mut events: Vec<Event> = reset.into_iter().chain(deleted).chain(statuses).collect();

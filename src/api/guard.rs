@@ -1,14 +1,14 @@
 //! Who may use which endpoint. Everything under `/v1` but logging in is behind one of these.
 
 use axum::Extension;
-use axum::extract::{FromRequestParts, Path, Request, State};
+use axum::extract::{FromRequestParts, Request, State};
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, Method, header};
 use axum::middleware::Next;
 use axum::response::Response;
 
 use super::ApiState;
-use super::extract::parse_job;
+use super::extract::{PathValue, parse_job};
 use super::problem::Problem;
 use crate::farm::access::caller::Caller;
 use crate::farm::access::scope::Scope;
@@ -60,7 +60,7 @@ impl FromRequestParts<ApiState> for OwnJob {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &ApiState) -> Result<Self, Problem> {
-        let Path(id) = Path::<String>::from_request_parts(parts, state).await?;
+        let PathValue(id) = PathValue::<String>::from_request_parts(parts, state).await?;
         let id = parse_job(&id)?;
         let Extension(caller) =
             Extension::<Caller>::from_request_parts(parts, state).await.map_err(Problem::of_extension)?;

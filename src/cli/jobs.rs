@@ -3,10 +3,10 @@
 use std::num::NonZeroU32;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
+use super::named::named;
 use super::terminal;
 use crate::api::jobs::JobsQuery;
 use crate::farm::access::user::UserName;
@@ -18,7 +18,7 @@ use crate::farm::job::{JobState, JobStatus};
 #[derive(Clone, Debug, Args)]
 pub(super) struct Jobs {
     /// Only jobs in this state.
-    #[arg(long, value_parser = state())]
+    #[arg(long, value_parser = named(JobState::ALL, JobState::name))]
     state: Option<JobState>,
     /// Only jobs with this tag.
     #[arg(long, value_name = "WORD")]
@@ -54,12 +54,6 @@ impl Jobs {
         }
         Ok(())
     }
-}
-
-/// A state by its name.
-fn state() -> impl TypedValueParser<Value = JobState> {
-    PossibleValuesParser::new(JobState::ALL.map(JobState::name))
-        .try_map(|name| JobState::ALL.into_iter().find(|state| state.name() == name).ok_or("no such state"))
 }
 
 fn line(job: &JobStatus) -> String {

@@ -18,6 +18,7 @@ mod jobs;
 mod log_option;
 mod map;
 mod methods;
+mod named;
 mod one_job;
 mod outputs;
 mod pause;

@@ -1,10 +1,10 @@
 //! `token`: by what users and workers are known.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
+use super::named::named;
 use super::terminal;
 use crate::farm::access::scope::Scope;
 use crate::farm::access::token::TokenView;
@@ -31,7 +31,7 @@ enum Task {
     /// Make a token and print it.
     New {
         /// What it allows [default: what the user's role allows]. With `worker`, workers join by it, and it is nobody's.
-        #[arg(long, value_parser = scope())]
+        #[arg(long, value_parser = named(Scope::ALL, Scope::name))]
         scope: Option<Scope>,
         /// Whose it is [default: yours].
         #[arg(long)]
@@ -80,10 +80,4 @@ impl Token {
 fn line(token: &TokenView) -> String {
     let user = token.user.as_ref().map_or("-", UserName::as_str);
     format!("{}\t{}\t{user}\t{}", token.id, token.scope.name(), token.label)
-}
-
-/// A scope by its name.
-fn scope() -> impl TypedValueParser<Value = Scope> {
-    PossibleValuesParser::new(Scope::ALL.map(Scope::name))
-        .try_map(|name| Scope::ALL.into_iter().find(|scope| scope.name() == name).ok_or("no such scope"))
 }

@@ -1,10 +1,10 @@
 //! `user`: who may use a coordinator.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
+use super::named::named;
 use super::terminal;
 use crate::api::members::{NewUser, UserPatch};
 use crate::farm::access::scope::Role;
@@ -34,7 +34,7 @@ enum Task {
         /// 1 to 64 small letters, digits, dots, dashes, underscores and @.
         name: UserName,
         /// A viewer looks, an artist submits jobs and changes their own, an admin does anything.
-        #[arg(long, value_parser = role())]
+        #[arg(long, value_parser = named(Role::ALL, Role::name))]
         role: Role,
         /// Print JSON.
         #[arg(long)]
@@ -47,7 +47,7 @@ enum Task {
         /// The user.
         name: UserName,
         /// What they are from now on.
-        #[arg(long, value_parser = role())]
+        #[arg(long, value_parser = named(Role::ALL, Role::name))]
         role: Role,
         #[command(flatten)]
         coordinator: CoordinatorOption,
@@ -89,10 +89,4 @@ impl User {
             Task::Rm { name, coordinator } => coordinator.client()?.delete_user(name.as_str()).await,
         }
     }
-}
-
-/// A role by its name.
-fn role() -> impl TypedValueParser<Value = Role> {
-    PossibleValuesParser::new(Role::ALL.map(Role::name))
-        .try_map(|name| Role::ALL.into_iter().find(|role| role.name() == name).ok_or("no such role"))
 }

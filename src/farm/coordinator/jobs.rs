@@ -18,7 +18,6 @@ use crate::farm::locks::lock;
 use crate::farm::method_choice::check_trials;
 use crate::farm::rules::Event;
 use crate::farm::rules::terms::Terms;
-use crate::farm::store::jobs::Snapshots;
 use crate::farm::wire::lease::{ChoiceTerms, JobDescription};
 use crate::method::{self, CheckedMethod};
 
@@ -54,20 +53,8 @@ impl Shared {
         let pixels = u64::from(description.width) * u64::from(description.height);
         self.check_user_jobs(&self.lock(), owner.as_ref(), pixels, terms.stop)?;
         let (id, unix) = self.next_id()?;
-        let facts = JobFacts {
-            request,
-            description: JobDescription { id, ..description },
-            terms: terms.clone(),
-            owner,
-            idempotency,
-            submitted: unix.as_secs(),
-            history: Vec::new(),
-            last_snapshot: None,
-            snapshots: Snapshots::default(),
-            ran: Duration::ZERO,
-            ended: None,
-            pause: None,
-        };
+        let description = JobDescription { id, ..description };
+        let facts = JobFacts { owner, idempotency, ..JobFacts::new(request, description, terms.clone(), unix) };
         let status = facts.status();
         let job = Arc::new(JobRecord::new(id, facts, status));
         // It is durable before it is accepted. Whether a store that does not answer has it, nobody knows: what was refused must not
@@ -109,32 +96,11 @@ impl Shared {
         request::check_labels(&request, &self.options.limits)?;
         let scene = match scene {
             None => self.scene(&request.scene)?,
-            Some(bytes) => {
-                let mut upload = self.begin_upload(None).await?;
-                let written = upload.write(&bytes).await;
-                if let Err(problem) = written {
-                    upload.abort().await?;
-                    return Err(problem);
-                }
-                upload.check().await?
-            }
+            Some(bytes) => self.upload_all(&bytes, None).await?.check().await?,
         };
         let (description, terms) = self.agree(&request, &scene)?;
-        let facts = JobFacts {
-            request,
-            description: JobDescription { scene: scene.summary.hash.clone(), ..description },
-            terms,
-            owner: None,
-            idempotency: None,
-            submitted: 0,
-            history: Vec::new(),
-            last_snapshot: None,
-            snapshots: Snapshots::default(),
-            ran: Duration::ZERO,
-            ended: None,
-            pause: None,
-        };
-        Ok(facts.status())
+        let description = JobDescription { scene: scene.summary.hash.clone(), ..description };
+        Ok(JobFacts::new(request, description, terms, Duration::ZERO).status())
     }
 
     /// What changed after change number `seen`.

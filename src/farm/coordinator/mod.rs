@@ -108,14 +108,7 @@ impl CoordinatorHandle {
 
     /// The same for a caller, whose the scene is if it is new.
     pub async fn add_scene_of(&self, bytes: Vec<u8>, caller: &Caller) -> Result<SceneSummary, FarmError> {
-        let mut upload = self.begin_upload(caller).await?;
-        match upload.write(&bytes).await {
-            Ok(()) => upload.finish().await,
-            Err(problem) => {
-                upload.abort().await?;
-                Err(problem)
-            }
-        }
+        self.shared.upload_all(&bytes, caller.name().cloned()).await?.finish().await
     }
 
     /// Begins a caller's scene whose bytes come bit by bit.

@@ -60,6 +60,22 @@ impl Shared {
         Ok(SceneUpload { shared: self.clone(), upload, owner, _slot: slot, _own: own })
     }
 
+    /// Uploads a scene whose bytes are all there.
+    pub(super) async fn upload_all(
+        self: &Arc<Self>,
+        bytes: &[u8],
+        owner: Option<UserName>,
+    ) -> Result<SceneUpload, FarmError> {
+        let mut upload = self.begin_upload(owner).await?;
+        match upload.write(bytes).await {
+            Ok(()) => Ok(upload),
+            Err(problem) => {
+                upload.abort().await?;
+                Err(problem)
+            }
+        }
+    }
+
     /// Checks an uploaded scene and keeps it, or leaves nothing of it.
     async fn add_uploaded(&self, uploaded: Uploaded, owner: Option<UserName>) -> Result<SceneSummary, FarmError> {
         let hash = uploaded.hash.clone();

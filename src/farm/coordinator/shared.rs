@@ -122,6 +122,26 @@ pub(super) struct JobFacts {
     pub(super) pause: Option<PauseReason>,
 }
 
+impl JobFacts {
+    /// Those of a job that was submitted at `unix`, the time since 1970, and has not begun.
+    pub(super) fn new(request: JobRequest, description: JobDescription, terms: Terms, unix: Duration) -> Self {
+        Self {
+            request,
+            description,
+            terms,
+            owner: None,
+            idempotency: None,
+            submitted: unix.as_secs(),
+            history: Vec::new(),
+            last_snapshot: None,
+            snapshots: Snapshots::default(),
+            ran: Duration::ZERO,
+            ended: None,
+            pause: None,
+        }
+    }
+}
+
 /// Runs `work` on a thread that may block.
 pub(in crate::farm) async fn blocking<T: Send + 'static>(
     work: impl FnOnce() -> Result<T, FarmError> + Send + 'static,
