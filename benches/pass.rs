@@ -9,11 +9,12 @@ use divan::{Bencher, black_box};
 use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::{Declaration, Estimate, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
 use photonfarm::farm::wire::planes;
+use photonfarm::import;
 use photonfarm::math::Vec3;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::method::{self, MethodChoice};
 use photonfarm::render::Renderer;
-use photonfarm::scene::{Scene, import};
+use photonfarm::scene::Scene;
 use photonfarm::transport::photon_map::{GatherQuery, Grid, Photon, PhotonChunk, PhotonMap};
 
 fn main() {

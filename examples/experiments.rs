@@ -12,8 +12,9 @@ use std::sync::Arc;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::encode_png;
 use photonfarm::evaluation::{self, ProcessStopwatch, Reference, Run, Stopwatch, compare, signed_difference};
+use photonfarm::import;
 use photonfarm::method::{self, MethodChoice};
-use photonfarm::scene::{Scene, import};
+use photonfarm::scene::Scene;
 use serde_json::{Map, Value, json};
 
 const PICTURES: &str = "docs/pictures/experiments";

@@ -7,6 +7,7 @@
 //! |---|---|---|
 //! | [`math`] | vectors, frames, colour, distributions, random numbers, statistics | nothing |
 //! | [`scene`] | description, check, prepare; geometry, materials, lights, cameras | math |
+//! | [`import`] | one reader for each file format, all into one description | math, scene |
 //! | [`transport`] | camera and photon walks, direct light, photon map, density estimates | math, scene |
 //! | [`estimate`] | declarations, tally, merge rules, radius schedules, snapshots, picture | math |
 //! | [`method`] | one file per method and one table | the above |
@@ -21,6 +22,7 @@ pub mod cli;
 pub mod estimate;
 pub mod evaluation;
 pub mod farm;
+pub mod import;
 pub mod math;
 pub mod method;
 pub mod render;

@@ -14,10 +14,10 @@ use std::sync::Arc;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gltf_file::{GltfFile, Numbers};
+use photonfarm::import::load_bytes;
 use photonfarm::scene::Scene;
 use photonfarm::scene::bundle::Bundle;
 use photonfarm::scene::description::{Parameter, PluginClass, SceneDescription, Value as Plain};
-use photonfarm::scene::import::load_bytes;
 use progressive::Job;
 use serde_json::{Value, json};
 

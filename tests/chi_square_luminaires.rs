@@ -9,9 +9,9 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use chi_square::{Histogram, assert_directions, assert_uniform, numbers, turn};
+use photonfarm::import::load_bytes;
 use photonfarm::math::Vec3;
 use photonfarm::scene::bundle::Bundle;
-use photonfarm::scene::import::load_bytes;
 use photonfarm::scene::{Scene, SceneError};
 
 const SAMPLES: u32 = 100_000;

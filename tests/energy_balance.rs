@@ -8,11 +8,11 @@ mod scene_text;
 use std::f64::consts::PI;
 use std::path::Path;
 
+use photonfarm::import::load_file;
 use photonfarm::math::Vec3;
 use photonfarm::math::random::{PassRandom, Stream};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
-use photonfarm::scene::import::load_file;
 use photonfarm::scene::light::Light;
 use photonfarm::scene::material::{TransportMode, View};
 use photonfarm::transport::photon_tracing::{PhotonSettings, trace_photon};

@@ -8,10 +8,10 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use chi_square::numbers;
+use photonfarm::import::{load_bytes, load_file, pack};
 use photonfarm::math::Vec2;
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::{Node, PluginClass, SceneDescription, Value};
-use photonfarm::scene::import::{load_bytes, load_file, pack};
 
 const CAMERA: &str = "<Position>0 -5 0</Position><Gaze>0 1 0</Gaze><Up>0 0 1</Up><FovY>90</FovY>
     <NearDistance>1</NearDistance><ImageResolution>60 40</ImageResolution><ImageName>a.exr</ImageName>";

@@ -9,6 +9,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use glam::{DMat4, DVec3, Vec3};
 use gltf_file::{GltfFile, Numbers};
+use photonfarm::import::{load_bytes, load_file, pack};
 use photonfarm::math::Vec2;
 use photonfarm::scene::Scene;
 use photonfarm::scene::camera::{self, Camera};
@@ -16,7 +17,6 @@ use photonfarm::scene::description::{Node, PluginClass, SceneDescription, Value 
 use photonfarm::scene::error::Location;
 use photonfarm::scene::fields::Fields;
 use photonfarm::scene::geometry::{Ray, ply, triangle_mesh::TriangleMesh};
-use photonfarm::scene::import::{load_bytes, load_file, pack};
 use serde_json::{Value, json};
 
 fn load(file: &GltfFile) -> SceneDescription {

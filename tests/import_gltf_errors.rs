@@ -7,9 +7,9 @@ mod gltf_file;
 use std::fmt::Write as _;
 
 use gltf_file::{GltfFile, Numbers};
+use photonfarm::import::load_bytes;
 use photonfarm::scene::error::Location;
 use photonfarm::scene::geometry::ply;
-use photonfarm::scene::import::load_bytes;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 

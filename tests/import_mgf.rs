@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 use std::fs;
 
 use chi_square::numbers;
+use photonfarm::import::{load_bytes, load_file, pack};
 use photonfarm::math::Vec3;
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::{Node, PluginClass, SceneDescription, Value};
-use photonfarm::scene::import::{load_bytes, load_file, pack};
 
 fn load(text: &str) -> SceneDescription {
     load_bytes("scene.mgf", text.as_bytes(), &[]).unwrap_or_else(|error| panic!("{error}"))

@@ -3,11 +3,11 @@
 use std::f32::consts::PI;
 use std::fs;
 
+use photonfarm::import::{load_bytes, load_file, pack};
 use photonfarm::math::{Vec2, Vec3};
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::{Node, PluginClass, SceneDescription, Value};
 use photonfarm::scene::geometry::{Interaction, Ray};
-use photonfarm::scene::import::{load_bytes, load_file, pack};
 use photonfarm::scene::material::{TransportMode, View};
 
 /// A lamp, so that scenes can be prepared.

@@ -5,12 +5,12 @@ mod scene_text;
 
 use std::path::Path;
 
+use photonfarm::import::load_file;
 use photonfarm::math::Vec3;
 use photonfarm::math::color::luminance;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
-use photonfarm::scene::import::load_file;
 use photonfarm::scene::light::outlook::{Aim, Lamp, Outlooks};
 use photonfarm::scene::light::{DirectSample, Outlook};
 

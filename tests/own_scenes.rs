@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use photonfarm::scene::{Scene, import};
+use photonfarm::import;
+use photonfarm::scene::Scene;
 
 #[test]
 fn every_scene_of_the_folder_prepares_without_a_notice() {

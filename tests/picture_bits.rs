@@ -12,11 +12,11 @@ use std::sync::atomic::AtomicBool;
 
 use photonfarm::estimate::{Estimate, RadiusField, Region, Twin};
 use photonfarm::farm::rules::plan::Plan;
+use photonfarm::import::load_file;
 use photonfarm::method::{self, CheckedMethod, METHODS, MethodChoice};
 use photonfarm::render::Renderer;
 use photonfarm::render::first_surface::first_surface_layers;
 use photonfarm::scene::Scene;
-use photonfarm::scene::import::load_file;
 
 const SCENES: [&str; 6] =
     ["cornell-glass-mirror", "caustic-point", "pool", "cornell-ward", "still-life", "concert-hall"];

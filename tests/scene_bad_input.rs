@@ -7,8 +7,8 @@ mod scene_text;
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use photonfarm::import::load_bytes;
 use photonfarm::method::{MethodChoice, check};
-use photonfarm::scene::import::load_bytes;
 use scene_text::prepare;
 
 const LIGHT: &str = "<emitter type='point'><point name='position' value='0, 5, 0'/></emitter>";

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use std::io::{Cursor, Write as _};
 
+use photonfarm::import::load_bytes;
 use photonfarm::scene::error::{Location, SceneError};
 use photonfarm::scene::geometry::{obj, ply};
-use photonfarm::scene::import::load_bytes;
 
 /// The errors of malformed inputs, one below the other.
 fn report<'a, T>(cases: &[(&'a str, &'a str)], read: impl Fn(&'a str) -> Result<T, SceneError>) -> String {

@@ -4,11 +4,11 @@ use std::fs;
 use std::io::{Cursor, Write};
 
 use glam::{DMat4, DVec3};
+use photonfarm::import::{load_bytes, load_file, pack};
 use photonfarm::scene::description::{Node, PluginClass, SceneDescription, Value};
 use photonfarm::scene::error::Location;
 use photonfarm::scene::geometry::triangle_mesh::TriangleMesh;
 use photonfarm::scene::geometry::{obj, ply};
-use photonfarm::scene::import::{load_bytes, load_file, pack};
 
 fn load(text: &str) -> SceneDescription {
     load_bytes("scene.xml", text.as_bytes(), &[]).unwrap_or_else(|error| panic!("{error}"))

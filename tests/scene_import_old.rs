@@ -5,9 +5,9 @@
 mod description_tree;
 
 use description_tree::tree;
+use photonfarm::import::load_bytes;
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::{Node, SceneDescription, Value};
-use photonfarm::scene::import::load_bytes;
 
 fn load(text: &str) -> SceneDescription {
     load_bytes("scene.xml", text.as_bytes(), &[]).unwrap_or_else(|error| panic!("{error}"))

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use description_tree::tree;
+use photonfarm::import::{load_bytes, load_file, native};
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::SceneDescription;
-use photonfarm::scene::import::{load_bytes, load_file, native};
 use progressive::{Job, reference_folder, reference_scene};
 
 fn own_scenes() -> Vec<PathBuf> {

@@ -12,25 +12,26 @@ use photonfarm::method::METHODS;
 const LAYERS: &[(&str, &[&str])] = &[
     ("math", &[]),
     ("scene", &["math"]),
+    ("import", &["math", "scene"]),
     ("transport", &["math", "scene"]),
     ("estimate", &["math"]),
     ("method", &["math", "scene", "transport", "estimate"]),
     ("render", &["math", "scene", "transport", "estimate", "method"]),
-    ("evaluation", &["math", "scene", "estimate", "method", "render"]),
+    ("evaluation", &["math", "scene", "import", "estimate", "method", "render"]),
     // Below `render` the farm reads only what travels or is checked: it adds numbers and never traces a ray.
-    ("farm", &["math", "scene", "estimate", "method", "render", "evaluation"]),
+    ("farm", &["math", "scene", "import", "estimate", "method", "render", "evaluation"]),
     // `scene` and `method` for their errors, which become problem documents.
     ("api", &["farm", "estimate", "evaluation", "scene", "method"]),
-    ("cli", &["math", "scene", "transport", "estimate", "method", "evaluation", "render", "farm", "api"]),
+    ("cli", &["math", "scene", "import", "transport", "estimate", "method", "evaluation", "render", "farm", "api"]),
 ];
 
 /// Crates that belong to some places only: files and folders below `src`.
 const CRATES: &[(&str, &[&str])] = &[
     ("obvhs", &["scene/geometry/accelerator.rs"]),
-    ("base64", &["scene/import/gltf", "evaluation/chart", "farm/webhooks/signature.rs"]),
-    ("roxmltree", &["scene/import", "cli/scene_file.rs"]),
+    ("base64", &["import/gltf", "evaluation/chart", "farm/webhooks/signature.rs"]),
+    ("roxmltree", &["import", "cli/scene_file.rs"]),
     ("flate2", &["scene/geometry/serialized.rs"]),
-    ("zip", &["scene", "cli/scene_file.rs", "farm/store/maintenance.rs"]),
+    ("zip", &["scene", "import", "cli/scene_file.rs", "farm/store/maintenance.rs"]),
     ("sqlx", &["farm/store"]),
     ("object_store", &["farm/store"]),
     ("exr", &["estimate/picture_files", "scene/texture"]),

@@ -4,7 +4,7 @@ use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use photonfarm::scene::import::{load_file, native, pack};
+use photonfarm::import::{load_file, native, pack};
 
 /// The largest sample, bytes with all of its files: small ones let more cases run, and more of their edits count.
 const MOST_BYTES: usize = 48 << 10;

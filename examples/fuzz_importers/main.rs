@@ -24,8 +24,8 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use corpus::{Format, Sample};
+use photonfarm::import::{load_bytes, native};
 use photonfarm::scene::Scene;
-use photonfarm::scene::import::{load_bytes, native};
 
 /// A case that takes longer is reported.
 const SLOW: Duration = Duration::from_secs(2);

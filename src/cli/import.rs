@@ -8,9 +8,9 @@ use serde_json::{Value, json};
 use super::exit_code::CliError;
 use super::job_options::define;
 use super::{scene_file, terminal};
+use crate::import::{load_file, native};
 use crate::scene::description::SceneDescription;
-use crate::scene::import::report::Notice;
-use crate::scene::import::{load_file, native};
+use crate::scene::notice::Notice;
 
 /// Write a scene of any format in the native form, Mitsuba 3's tree as JSON.
 ///

@@ -12,7 +12,7 @@ use super::job_options::{define, setting};
 use super::{scene_file, terminal};
 use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, Survey, Trial};
 use crate::farm::method_choice::try_methods;
-use crate::scene::import::load_file;
+use crate::import::load_file;
 use crate::scene::needs::SceneNeeds;
 use crate::scene::prepare::Scene;
 

@@ -14,9 +14,9 @@ use super::progress::{Progress, rate};
 use super::{scene_file, signals, terminal, weight_maps};
 use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
+use crate::import::load_file;
 use crate::method::MethodChoice;
 use crate::scene::Scene;
-use crate::scene::import::load_file;
 
 /// Render a scene on this machine.
 ///

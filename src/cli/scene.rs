@@ -15,9 +15,9 @@ use super::job_options::define;
 use super::{scene_file, terminal};
 use crate::farm::coordinator::request::{ResolvedMethod, resolve_method};
 use crate::farm::job::JobRequest;
+use crate::import::load_file;
 use crate::method::SceneTraits;
 use crate::scene::description::{Node, PluginClass, SceneDescription};
-use crate::scene::import::load_file;
 use crate::scene::prepare::Scene as PreparedScene;
 
 /// Look into a scene without rendering it.

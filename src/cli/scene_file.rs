@@ -8,7 +8,7 @@ use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipArchive, ZipWriter};
 
 use super::exit_code::CliError;
-use crate::scene::import;
+use crate::import;
 
 /// A define of the command line: name and value.
 type Define = (String, String);

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use crate::estimate::Picture;
 use crate::estimate::picture_files::{PictureFileError, read_exr, read_standard_error};
+use crate::import;
+use crate::scene::Scene;
 use crate::scene::error::SceneError;
-use crate::scene::{Scene, import};
 
 /// A scene with its converged picture.
 pub struct Reference {

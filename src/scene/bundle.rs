@@ -140,7 +140,7 @@ impl Bundle {
 }
 
 /// `name` with `/` separators and without `.` parts; refused when it is absolute or leads upwards.
-pub(super) fn checked_name(name: &str, location: &Location) -> Result<String, SceneError> {
+pub fn checked_name(name: &str, location: &Location) -> Result<String, SceneError> {
     let refuse = |problem: &str, remedy: &str| {
         let shown: String = name.chars().take(200).collect();
         Err(SceneError::new(location, format!("file name {shown:?} {problem}"), remedy))
@@ -206,7 +206,7 @@ fn read_inside(folder: &Path, path: &Path, name: &str, location: &Location) -> R
 }
 
 /// The bytes of a regular file; nothing when it is larger than 1 GiB.
-pub(super) fn read_file(path: &Path) -> std::io::Result<Option<Arc<[u8]>>> {
+pub fn read_file(path: &Path) -> std::io::Result<Option<Arc<[u8]>>> {
     // Asked before opening: opening a pipe would wait for a writer.
     if !path.metadata()?.is_file() {
         return Err(std::io::Error::other("not a regular file"));

@@ -7,7 +7,7 @@ use glam::DMat4;
 
 use super::bundle::Bundle;
 use super::error::Location;
-use super::import::report::Notice;
+use super::notice::Notice;
 
 /// What a plugin is for; the tag in XML, the kind of slot it may stand in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

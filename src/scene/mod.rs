@@ -1,6 +1,6 @@
 //! From what a user wrote to what methods read: description, check, prepare.
 //!
-//! [`import`] reads every format into one [`description`]; [`Scene::prepare`] checks it and builds what methods need.
+//! [`crate::import`] reads every format into one [`description`]; [`Scene::prepare`] checks it and builds what methods need.
 
 pub mod bundle;
 pub mod camera;
@@ -9,10 +9,10 @@ pub mod error;
 pub mod fields;
 pub mod film;
 pub mod geometry;
-pub mod import;
 pub mod light;
 pub mod material;
 pub mod needs;
+pub mod notice;
 pub mod prepare;
 pub mod relief;
 pub mod texture;

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use photonfarm::estimate::{Estimate, Region, Shard};
+use photonfarm::import::load_file;
 use photonfarm::method::{CheckedMethod, MethodChoice, check, declaration};
 use photonfarm::render::Renderer;
 use photonfarm::scene::Scene;
-use photonfarm::scene::import::load_file;
 
 /// A scene with a method, ready to be traced.
 pub(crate) struct Job {

@@ -4,8 +4,8 @@ use std::io::Cursor;
 use std::sync::Arc;
 
 use exr::prelude::{Encoding, Image, Layer, LayerAttributes, SpecificChannels, Vec2, WritableImage};
+use photonfarm::import::load_bytes;
 use photonfarm::scene::bundle::Bundle;
-use photonfarm::scene::import::load_bytes;
 use photonfarm::scene::{Scene, SceneError};
 
 /// Imports and prepares the scene with `body` between its `<scene>` tags. `files` are name and content.

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
+use photonfarm::import::load_bytes;
 use photonfarm::scene::bundle::Bundle;
-use photonfarm::scene::import::load_bytes;
 use photonfarm::scene::{Scene, SceneError};
 
 /// Imports and prepares the scene with `body` between its `<scene>` tags. `files` are name and text.

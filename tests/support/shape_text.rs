@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use photonfarm::import::load_bytes;
 use photonfarm::scene::SceneError;
 use photonfarm::scene::bundle::Bundle;
 use photonfarm::scene::description::{Node, PluginClass};
 use photonfarm::scene::fields::Fields;
 use photonfarm::scene::geometry::mesh::ShapeGeometry;
 use photonfarm::scene::geometry::primitive::SHAPES;
-use photonfarm::scene::import::load_bytes;
 
 /// The shapes that Mitsuba XML describes. `files` are name and bytes.
 pub(crate) fn read_shapes(body: &str, files: &[(&str, &[u8])]) -> Result<Vec<ShapeGeometry>, SceneError> {

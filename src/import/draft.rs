@@ -1,0 +1,128 @@
+//! Plugins as they stand in a file, before references are resolved.
+
+use glam::DMat4;
+
+use crate::scene::description::{Parameter, PluginClass, Value};
+use crate::scene::error::Location;
+use crate::scene::notice::Notice;
+
+/// What a format's reader makes of a scene file.
+pub(super) struct Reading {
+    /// The scene.
+    pub root: Draft,
+    pub aliases: Vec<Alias>,
+    /// The files that were read on the way, with the places that name them.
+    pub includes: Vec<(String, Location)>,
+    /// What could not be represented.
+    pub notices: Vec<Notice>,
+}
+
+impl Reading {
+    /// A scene that stands in one file and is represented completely.
+    pub(super) fn complete(root: Draft) -> Self {
+        Self { root, aliases: Vec::new(), includes: Vec::new(), notices: Vec::new() }
+    }
+}
+
+/// One plugin as written.
+#[derive(Clone)]
+pub(super) struct Draft {
+    pub class: PluginClass,
+    pub plugin: String,
+    pub id: String,
+    pub parameters: Vec<Parameter>,
+    pub children: Vec<DraftChild>,
+    pub location: Location,
+}
+
+impl Draft {
+    /// A plugin without parameters, for importers of formats that have no plugins of their own.
+    pub(super) fn new(class: PluginClass, plugin: &str, location: &Location) -> Self {
+        Self {
+            class,
+            plugin: plugin.to_owned(),
+            id: String::new(),
+            parameters: Vec::new(),
+            children: Vec::new(),
+            location: location.clone(),
+        }
+    }
+
+    /// Gives it the parameter `name`.
+    pub(super) fn with(mut self, name: &str, value: Value) -> Self {
+        self.parameters.push(Parameter { name: name.to_owned(), value, location: self.location.clone() });
+        self
+    }
+
+    /// Nests `plugin` in the slot `name`, which may be empty.
+    pub(super) fn with_child(mut self, name: &str, plugin: Draft) -> Self {
+        let location = plugin.location.clone();
+        self.children.push(DraftChild { name: name.to_owned(), target: Target::Plugin(plugin), location });
+        self
+    }
+
+    /// Refers to the plugin with the given id.
+    pub(super) fn with_reference(mut self, id: &str) -> Self {
+        let location = self.location.clone();
+        self.children.push(DraftChild { name: String::new(), target: Target::Reference(id.to_owned()), location });
+        self
+    }
+}
+
+/// The types of parameters, for each of which there is one way to give it.
+impl Draft {
+    pub(super) fn with_float(self, name: &str, number: f64) -> Self {
+        self.with(name, Value::Float(number))
+    }
+
+    pub(super) fn with_flag(self, name: &str, flag: bool) -> Self {
+        self.with(name, Value::Boolean(flag))
+    }
+
+    pub(super) fn with_text(self, name: &str, text: &str) -> Self {
+        self.with(name, Value::String(text.to_owned()))
+    }
+
+    pub(super) fn with_rgb(self, name: &str, rgb: [f64; 3]) -> Self {
+        self.with(name, Value::Rgb(rgb))
+    }
+
+    pub(super) fn with_point(self, name: &str, point: glam::DVec3) -> Self {
+        self.with(name, Value::Vector(point.to_array()))
+    }
+
+    pub(super) fn with_transform(self, name: &str, matrix: DMat4) -> Self {
+        self.with(name, Value::Transform(matrix))
+    }
+}
+
+/// A nested plugin or a reference to one, with the name of its slot (or empty).
+#[derive(Clone)]
+pub(super) struct DraftChild {
+    pub name: String,
+    pub target: Target,
+    pub location: Location,
+}
+
+impl DraftChild {
+    /// Whether it stands elsewhere.
+    pub(super) fn is_reference(&self) -> bool {
+        matches!(self.target, Target::Reference(_))
+    }
+}
+
+/// What a child is.
+#[derive(Clone)]
+pub(super) enum Target {
+    /// Written in place.
+    Plugin(Draft),
+    /// The plugin with this id.
+    Reference(String),
+}
+
+/// A second id for a plugin: `<alias id="known" as="other">`.
+pub(super) struct Alias {
+    pub known: String,
+    pub other: String,
+    pub location: Location,
+}

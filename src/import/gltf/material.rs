@@ -1,0 +1,351 @@
+//! Materials: `principled` for all but MDL's thick glass, in `normalmap`, `twosided` and `mask` where they ask for it.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use super::super::draft::Draft;
+use super::entry::Entry;
+use super::texture::{Images, Meaning, Slot, Textures};
+use super::{Input, Output, extensions, specular_glossiness};
+use crate::scene::description::{PluginClass, Value};
+use crate::scene::error::SceneError;
+use crate::scene::notice::Notice;
+
+/// glTF's index of refraction, where a material gives none.
+const DEFAULT_INDEX: f64 = 1.5;
+
+/// A material as shapes use it.
+pub(super) struct Material {
+    /// The id of its bsdf.
+    pub id: String,
+    /// The area light of every shape that has it.
+    pub emitter: Option<Draft>,
+    /// The set of texture coordinates that its textures use.
+    pub texture_coordinates: usize,
+}
+
+/// The materials that shapes have used so far.
+#[derive(Default)]
+pub(super) struct Materials {
+    /// Their bsdfs, each with its id.
+    pub plugins: Vec<Draft>,
+    made: HashMap<Option<usize>, Rc<Material>>,
+    images: Images,
+}
+
+impl Materials {
+    /// The material of a primitive; glTF's default one if it names none.
+    ///
+    /// # Errors
+    /// On references to nothing, and numbers that no material can have.
+    pub(super) fn of<'a>(
+        &mut self,
+        primitive: &Entry<'a>,
+        input: &Input<'a>,
+        output: &mut Output,
+    ) -> Result<Rc<Material>, SceneError> {
+        let reference = primitive.reference("material", "materials")?;
+        let key = reference.as_ref().map(|(index, _)| *index);
+        if let Some(known) = self.made.get(&key) {
+            return Ok(known.clone());
+        }
+        let mut textures = Textures { input, output, images: &mut self.images, set: None };
+        let (mut bsdf, emitter, id) = match &reference {
+            Some((index, entry)) => {
+                (surface(entry, &mut textures)?, light(entry, &mut textures)?, format!("material_{index}"))
+            }
+            None => {
+                let bsdf = Draft::new(PluginClass::Bsdf, "principled", &primitive.location());
+                (Base::default().put(bsdf), None, "default_material".to_owned())
+            }
+        };
+        bsdf.id.clone_from(&id);
+        let made = Rc::new(Material { id, emitter, texture_coordinates: textures.set.unwrap_or(0) });
+        self.plugins.push(bsdf);
+        self.made.insert(key, made.clone());
+        Ok(made)
+    }
+}
+
+/// Color, metalness and roughness.
+pub(super) struct Base {
+    pub color: [f64; 3],
+    pub color_texture: Option<Draft>,
+    pub alpha: f64,
+    pub alpha_texture: Option<Draft>,
+    pub metallic: Slot,
+    pub roughness: Slot,
+}
+
+impl Default for Base {
+    fn default() -> Self {
+        let one = || Slot::Value(Value::Float(1.0));
+        Self {
+            color: [1.0; 3],
+            color_texture: None,
+            alpha: 1.0,
+            alpha_texture: None,
+            metallic: one(),
+            roughness: one(),
+        }
+    }
+}
+
+impl Base {
+    fn read<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Self, SceneError> {
+        if let Some(extension) = material.extension("KHR_materials_pbrSpecularGlossiness")? {
+            return specular_glossiness::read(&extension, textures);
+        }
+        let Some(base) = material.child("pbrMetallicRoughness")? else { return Ok(Self::default()) };
+        let [red, green, blue, alpha] = base.numbers("baseColorFactor")?.unwrap_or([1.0; 4]);
+        // The first texture decides which coordinates the material uses.
+        let color_texture = textures.read(&base, "baseColorTexture", Meaning::Color)?;
+        let mut factor = |key: &str, channel: &'static str| {
+            let texture = textures.read(&base, "metallicRoughnessTexture", Meaning::Channel(channel))?;
+            Ok::<Slot, SceneError>(Slot::product(texture, Value::Float(base.number_within(key, 1.0, 0.0, 1.0)?)))
+        };
+        let (metallic, roughness) = (factor("metallicFactor", "b")?, factor("roughnessFactor", "g")?);
+        Ok(Self {
+            color: [red, green, blue],
+            color_texture,
+            alpha,
+            alpha_texture: textures.read(&base, "baseColorTexture", Meaning::Channel("a"))?,
+            metallic,
+            roughness,
+        })
+    }
+
+    /// Gives them to a `principled` bsdf. Mitsuba squares the roughness as glTF does.
+    fn put(self, bsdf: Draft) -> Draft {
+        let bsdf = Slot::product(self.color_texture, Value::Rgb(self.color)).put(bsdf, "base_color");
+        let bsdf = self.metallic.put(bsdf, "metallic");
+        self.roughness.put(bsdf, "roughness")
+    }
+}
+
+/// The bsdf of a material.
+fn surface<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Draft, SceneError> {
+    extensions::report_unread(material, textures.output)?;
+    if let Some(glass) = thick_glass(material, textures)? {
+        return Ok(glass);
+    }
+    let mut base = Base::read(material, textures)?;
+    let mut report = |notice: Notice| textures.output.notices.add(notice);
+    if material.extension("KHR_materials_unlit")?.is_some() {
+        let zero = || Slot::Value(Value::Float(0.0));
+        base = Base { metallic: zero(), roughness: Slot::Value(Value::Float(1.0)), ..base };
+        report(Notice::approximated(&material.location(), "an unlit material", "it is lit like any other"));
+    }
+    if material.has("occlusionTexture") {
+        let explanation = "occlusion follows from the light itself";
+        report(Notice::ignored(&material.location(), "an occlusion texture", explanation));
+    }
+    let opacity = opacity(material, &mut base, textures)?;
+    let mut bsdf = base.put(Draft::new(PluginClass::Bsdf, "principled", &material.location()));
+    let transmissive;
+    (bsdf, transmissive) = transmission(material, bsdf, textures)?;
+    bsdf = interface(material, bsdf, transmissive, textures)?;
+    bsdf = clearcoat(material, bsdf, textures)?;
+    bsdf = bumps(material, bsdf, textures)?;
+    if !transmissive {
+        if material.flag("doubleSided")? {
+            bsdf = Draft::new(PluginClass::Bsdf, "twosided", &material.location()).with_child("", bsdf);
+        } else {
+            let explanation = "its back is black where glTF draws nothing";
+            let notice = Notice::approximated(&material.location(), "a single-sided material", explanation);
+            textures.output.notices.add(notice);
+        }
+    }
+    Ok(match opacity {
+        Some(opacity) => {
+            let mask = Draft::new(PluginClass::Bsdf, "mask", &material.location());
+            opacity.put(mask, "opacity").with_child("", bsdf)
+        }
+        None => bsdf,
+    })
+}
+
+/// How much of a surface is there, when not all of it.
+fn opacity(material: &Entry<'_>, base: &mut Base, textures: &mut Textures<'_, '_>) -> Result<Option<Slot>, SceneError> {
+    let texture = base.alpha_texture.take();
+    let opacity = match material.text("alphaMode")?.unwrap_or("OPAQUE") {
+        "OPAQUE" => return Ok(None),
+        "BLEND" => Slot::product(texture, Value::Float(base.alpha)),
+        "MASK" if texture.is_some() => {
+            let explanation = "alpha itself is taken as opacity";
+            let notice = Notice::approximated(&material.location(), "the alphaCutoff of a mask", explanation);
+            textures.output.notices.add(notice);
+            Slot::product(texture, Value::Float(base.alpha))
+        }
+        "MASK" => {
+            let cutoff = material.number_within("alphaCutoff", 0.5, 0.0, f64::INFINITY)?;
+            Slot::Value(Value::Float(if base.alpha < cutoff { 0.0 } else { 1.0 }))
+        }
+        other => {
+            let problem = format!("there is no alphaMode {other:?}");
+            return Err(material.error(problem, "give \"OPAQUE\", \"MASK\" or \"BLEND\""));
+        }
+    };
+    Ok(match opacity {
+        Slot::Value(Value::Float(1.0)) => None,
+        partial => Some(partial),
+    })
+}
+
+/// KHR_materials_transmission and KHR_materials_volume; also says whether light passes.
+fn transmission<'a>(
+    material: &Entry<'a>,
+    bsdf: Draft,
+    textures: &mut Textures<'_, 'a>,
+) -> Result<(Draft, bool), SceneError> {
+    let Some(extension) = material.extension("KHR_materials_transmission")? else { return Ok((bsdf, false)) };
+    let factor = extension.number_within("transmissionFactor", 0.0, 0.0, 1.0)?;
+    if factor == 0.0 {
+        return Ok((bsdf, false));
+    }
+    let texture = textures.read(&extension, "transmissionTexture", Meaning::Channel("r"))?;
+    let bsdf = Slot::product(texture, Value::Float(factor)).put(bsdf, "spec_trans");
+    let volume = material.extension("KHR_materials_volume")?;
+    let thickness =
+        volume.as_ref().map_or(Ok(0.0), |volume| volume.number_within("thicknessFactor", 0.0, 0.0, f64::INFINITY))?;
+    let mut report = |notice: Notice| textures.output.notices.add(notice);
+    if thickness == 0.0 {
+        let explanation = "the surface refracts as that of a solid does";
+        report(Notice::approximated(&material.location(), "transmission through a thin wall", explanation));
+    }
+    if let Some(volume) = volume.filter(|volume| thickness > 0.0 && volume.has("attenuationDistance")) {
+        let color = volume.color("attenuationColor", [1.0; 3])?;
+        if color != [1.0; 3] {
+            let explanation = "the inside of the solid is clear; only the surface has a color";
+            report(Notice::ignored(&volume.location(), "the attenuation of a volume", explanation));
+        }
+    }
+    Ok((bsdf, true))
+}
+
+/// The index of refraction, and KHR_materials_specular as one.
+fn interface<'a>(
+    material: &Entry<'a>,
+    bsdf: Draft,
+    transmissive: bool,
+    textures: &mut Textures<'_, 'a>,
+) -> Result<Draft, SceneError> {
+    let mut index = match material.extension("KHR_materials_ior")? {
+        Some(extension) => extension.number_within("ior", DEFAULT_INDEX, 0.0, f64::INFINITY)?,
+        None => DEFAULT_INDEX,
+    };
+    let mut report = |notice: Notice| textures.output.notices.add(notice);
+    if index < 1.0 {
+        let explanation = format!("{DEFAULT_INDEX} is used");
+        report(Notice::approximated(&material.location(), "an index of refraction below 1", explanation));
+        index = DEFAULT_INDEX;
+    }
+    let Some(extension) = material.extension("KHR_materials_specular")? else {
+        return Ok(bsdf.with("eta", Value::Float(index)));
+    };
+    let [red, green, blue] = extension.color("specularColorFactor", [1.0; 3])?;
+    let strength = extension.number_within("specularFactor", 1.0, 0.0, 1.0)?;
+    let strength = strength * (0.2126 * red + 0.7152 * green + 0.0722 * blue);
+    if extension.has("specularTexture") || extension.has("specularColorTexture") {
+        let explanation = "the factors are used alone";
+        report(Notice::ignored(&extension.location(), "a texture of the specular strength or color", explanation));
+    }
+    if transmissive {
+        let explanation = "the index of refraction alone decides what a transmissive surface reflects";
+        report(Notice::ignored(&extension.location(), "the specular strength", explanation));
+        return Ok(bsdf.with("eta", Value::Float(index)));
+    }
+    let explanation = "the index of refraction is changed so that as much is reflected head-on, without color";
+    report(Notice::approximated(&extension.location(), "the specular strength", explanation));
+    let root = (index - 1.0) / (index + 1.0);
+    // Mitsuba's `specular` is the head-on reflectance over 0.08.
+    let specular = root * root * strength / 0.08;
+    if specular <= 1.0 {
+        return Ok(bsdf.with("specular", Value::Float(specular)));
+    }
+    let root = (root * strength.sqrt()).min(0.95);
+    Ok(bsdf.with("eta", Value::Float((1.0 + root) / (1.0 - root))))
+}
+
+fn clearcoat<'a>(material: &Entry<'a>, bsdf: Draft, textures: &mut Textures<'_, 'a>) -> Result<Draft, SceneError> {
+    let Some(extension) = material.extension("KHR_materials_clearcoat")? else { return Ok(bsdf) };
+    let factor = extension.number_within("clearcoatFactor", 0.0, 0.0, 1.0)?;
+    if factor == 0.0 {
+        return Ok(bsdf);
+    }
+    let texture = textures.read(&extension, "clearcoatTexture", Meaning::Channel("r"))?;
+    let roughness = extension.number_within("clearcoatRoughnessFactor", 0.0, 0.0, 1.0)?;
+    let mut report = |notice: Notice| textures.output.notices.add(notice);
+    let explanation = "it reflects a quarter as much, and its roughness (squared) lies between 0.001 and 0.1";
+    report(Notice::approximated(&extension.location(), "a clear coat", explanation));
+    if extension.has("clearcoatRoughnessTexture") || extension.has("clearcoatNormalTexture") {
+        let explanation = "the factors are used alone";
+        report(Notice::ignored(
+            &extension.location(),
+            "a texture of the clear coat's roughness or normals",
+            explanation,
+        ));
+    }
+    // Mitsuba's coat has an alpha from 0.1 (gloss 0) to 0.001 (gloss 1).
+    let gloss = ((0.1 - roughness * roughness) / 0.099).clamp(0.0, 1.0);
+    let bsdf = Slot::product(texture, Value::Float(factor)).put(bsdf, "clearcoat");
+    Ok(bsdf.with("clearcoat_gloss", Value::Float(gloss)))
+}
+
+fn bumps<'a>(material: &Entry<'a>, bsdf: Draft, textures: &mut Textures<'_, 'a>) -> Result<Draft, SceneError> {
+    let Some(texture) = textures.read(material, "normalTexture", Meaning::Vectors)? else { return Ok(bsdf) };
+    let scale = material.child("normalTexture")?.map(|info| info.number("scale")).transpose()?.flatten();
+    if scale.is_some_and(|scale| scale != 1.0) {
+        let explanation = "the normals are used as they are";
+        textures.output.notices.add(Notice::ignored(&texture.location, "the scale of a normal texture", explanation));
+    }
+    let map = Draft::new(PluginClass::Bsdf, "normalmap", &texture.location);
+    Ok(map.with_child("normalmap", texture).with_child("", bsdf))
+}
+
+/// The `area` emitter of a material that shines.
+fn light<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Option<Draft>, SceneError> {
+    let color = material.color("emissiveFactor", [0.0; 3])?;
+    let strength = match material.extension("KHR_materials_emissive_strength")? {
+        Some(extension) => extension.number_within("emissiveStrength", 1.0, 0.0, f64::INFINITY)?,
+        None => 1.0,
+    };
+    let radiance = color.map(|channel| channel * strength);
+    if radiance == [0.0; 3] {
+        return Ok(None);
+    }
+    if material.flag("doubleSided")? {
+        let explanation = "it shines from its front only";
+        let subject = "the light from the back of a double-sided material";
+        textures.output.notices.add(Notice::ignored(&material.location(), subject, explanation));
+    }
+    let texture = textures.read(material, "emissiveTexture", Meaning::Color)?;
+    let emitter = Draft::new(PluginClass::Emitter, "area", &material.location());
+    Ok(Some(Slot::product(texture, Value::Rgb(radiance)).put(emitter, "radiance")))
+}
+
+/// The `dielectric` of a material that is MDL's `thick_glass` (NV_materials_mdl). The parameters beside it are those of
+/// a stand-in: transparent by alpha, without refraction.
+fn thick_glass<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Option<Draft>, SceneError> {
+    let Some(extension) = material.extension("NV_materials_mdl")? else { return Ok(None) };
+    let Some(shaders) = textures.input.document.root().extension("NV_materials_mdl")? else { return Ok(None) };
+    let shaders = shaders.objects("shaders")?;
+    let Some(shader) = extension.integer("mdl_shader")?.and_then(|index| shaders.get(index)) else { return Ok(None) };
+    let definition = shader.text("definition")?.unwrap_or_default();
+    let name = definition.rsplit("::").next().unwrap_or_default();
+    if name.split('(').next() != Some("thick_glass") {
+        if name != "gltf_material" {
+            let explanation = "the parameters of glTF are used";
+            textures.output.notices.add(Notice::ignored(&material.location(), "an MDL shader", explanation));
+        }
+        return Ok(None);
+    }
+    let index = match shader.child("arguments")? {
+        Some(arguments) => arguments.number("ior")?.unwrap_or(DEFAULT_INDEX),
+        None => DEFAULT_INDEX,
+    };
+    let explanation = format!("a smooth clear dielectric of index {index} takes its place");
+    textures.output.notices.add(Notice::approximated(&material.location(), "MDL's thick_glass", explanation));
+    let glass = Draft::new(PluginClass::Bsdf, "dielectric", &material.location());
+    Ok(Some(glass.with("int_ior", Value::Float(index))))
+}

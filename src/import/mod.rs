@@ -1,0 +1,220 @@
+//! One file per format, all into the same description.
+//!
+//! A format's reader makes `draft` nodes: plugins as they stand in the file, with references by id. `resolve` turns the
+//! drafts of every format into the description tree. `values` and `transform` hold what the formats' values mean,
+//! `plugins` the names of all plugins. `pack` makes the bytes that travel over HTTP, [`native`] writes a description as JSON,
+//! and [`report`] is what an import could not represent.
+
+mod ceng795;
+mod draft;
+mod gltf;
+mod json_text;
+mod mgf;
+mod mitsuba_json;
+mod mitsuba_old;
+mod mitsuba_xml;
+pub mod native;
+mod notices;
+mod pack;
+mod pbrt;
+mod plugins;
+mod ply_bytes;
+mod resolve;
+mod substitution;
+mod transform;
+mod values;
+mod xml_element;
+mod xml_tags;
+
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::scene::bundle::{Bundle, read_file};
+use crate::scene::description::{Node, SceneDescription, Value};
+use crate::scene::error::{Location, SceneError};
+use draft::Reading;
+
+pub use pack::pack;
+
+/// How deep plugins and values may nest, and how long a chain of references may be.
+const DEPTH_LIMIT: usize = 64;
+
+/// Reads the scene file (XML, JSON, glTF, GLB, MGF, pbrt, or a zip archive with one of them) at `path`.
+///
+/// `defines` are names and values that take the place of the scene's `<default>` parameters. Files that the scene
+/// refers to are looked up in the folder that holds it.
+///
+/// # Errors
+/// Whatever is wrong with the scene's syntax, structure, references and included files; a define that nothing uses.
+pub fn load_file(path: &Path, defines: &[(String, String)]) -> Result<SceneDescription, SceneError> {
+    read_source(path)?.import(defines).map(|imported| imported.description)
+}
+
+/// Reads a scene from memory: XML, JSON, glTF, GLB, MGF or pbrt that stands alone, or a zip archive.
+///
+/// An archive's scene file is `scene.xml`, `scene.json`, `scene.gltf`, `scene.glb`, `scene.mgf` or `scene.pbrt` at its top
+/// level, or else the only file there with one of these extensions. `name` is what errors call the file. See [`load_file`] for `defines`.
+///
+/// # Errors
+/// As [`load_file`]; also when the archive is malformed or its scene file is missing or ambiguous.
+pub fn load_bytes(name: &str, bytes: &[u8], defines: &[(String, String)]) -> Result<SceneDescription, SceneError> {
+    Source::from_bytes(name, bytes.into())?.import(defines).map(|imported| imported.description)
+}
+
+/// The formats of a scene file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Format {
+    Xml,
+    Ceng795,
+    Json,
+    Gltf,
+    Glb,
+    Mgf,
+    Pbrt,
+    Zip,
+}
+
+/// A scene file that was found and read, but not yet looked into.
+struct Source {
+    name: String,
+    text: Arc<[u8]>,
+    bundle: Bundle,
+}
+
+/// What importing a scene gives: the description, and the names of the files that were included on the way.
+struct Imported {
+    description: SceneDescription,
+    files: Vec<(String, Location)>,
+}
+
+impl Source {
+    fn from_bytes(name: &str, bytes: Arc<[u8]>) -> Result<Self, SceneError> {
+        let location = Location { file: name.to_owned(), ..Location::default() };
+        if format(&bytes, &location)? != Format::Zip {
+            return Ok(Self { name: name.to_owned(), text: bytes, bundle: Bundle::empty() });
+        }
+        let bundle = Bundle::from_zip(&bytes, &location)?;
+        let scene = scene_file(bundle.names().iter().map(String::as_str)).map_err(|problem| {
+            SceneError::new(&location, problem, "put one scene.xml or scene.json at the top level")
+        })?;
+        let text = bundle.read(&scene, &location)?;
+        Ok(Self { name: scene, text, bundle })
+    }
+
+    fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
+        let location = Location { file: self.name.clone(), ..Location::default() };
+        let mut bundle = self.bundle.clone();
+        let reading = match format(&self.text, &location)? {
+            Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
+            Format::Ceng795 => {
+                let (reading, generated) = ceng795::read(&self.text, &location, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
+            Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
+            Format::Gltf | Format::Glb => {
+                let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
+            Format::Mgf => {
+                let (reading, generated) = mgf::read(&self.text, &location, &self.bundle, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
+            Format::Pbrt => {
+                let (reading, generated) = pbrt::read(&self.text, &location, &self.bundle, defines)?;
+                bundle = bundle.with_generated(generated);
+                reading
+            }
+            Format::Zip => {
+                return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
+            }
+        };
+        let Reading { root, aliases, includes: mut files, notices } = reading;
+        let root = resolve::resolve(&root, &aliases)?;
+        collect_file_names(&root, &mut HashSet::new(), &mut files);
+        files.retain(|(name, _)| bundle.generated().is_none_or(|generated| !generated.contains_key(name)));
+        Ok(Imported { description: SceneDescription { root, bundle, notices }, files })
+    }
+}
+
+fn read_source(path: &Path) -> Result<Source, SceneError> {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let location = Location { file: path.display().to_string(), ..Location::default() };
+    if !path.is_file() {
+        let problem = if path.exists() { "this is not a file" } else { "there is no such file" };
+        return Err(SceneError::new(&location, problem, "give the name of a scene file"));
+    }
+    let bytes = read_file(path)
+        .map_err(|error| SceneError::new(&location, format!("the file cannot be read: {error}"), ""))?
+        .ok_or_else(|| SceneError::new(&location, "the file is larger than 1 GiB", "split it"))?;
+    if format(&bytes, &location)? == Format::Zip {
+        return Source::from_bytes(&name, bytes);
+    }
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    Ok(Source { name, text: bytes, bundle: Bundle::Folder(folder.to_owned()) })
+}
+
+/// Tells the format by how the file begins.
+fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
+    if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
+        return Ok(Format::Zip);
+    }
+    if bytes.starts_with(gltf::MAGIC) {
+        return Ok(Format::Glb);
+    }
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    match text.trim_ascii_start().first() {
+        Some(b'<') if ceng795::is_ceng795(text) => Ok(Format::Ceng795),
+        Some(b'<') => Ok(Format::Xml),
+        Some(b'{') if gltf::is_gltf(text) => Ok(Format::Gltf),
+        Some(b'{') => Ok(Format::Json),
+        None => Err(SceneError::new(location, "the scene file is empty", "give a Mitsuba 3 scene")),
+        Some(_) if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") => {
+            Err(SceneError::new(location, "the scene file is UTF-16 text", "save it as UTF-8"))
+        }
+        Some(_) if mgf::is_mgf(text, &location.file) => Ok(Format::Mgf),
+        Some(_) if pbrt::is_pbrt(text, &location.file) => Ok(Format::Pbrt),
+        Some(_) => {
+            let remedy = "give a Mitsuba 3 scene as XML or as a JSON dictionary, a glTF scene, or a zip archive with one of them";
+            Err(SceneError::new(location, "this is neither XML, JSON, GLB nor a zip archive", remedy))
+        }
+    }
+}
+
+/// What the scene file of an archive may be called whatever stands beside it.
+const STANDARD_NAMES: [&str; 6] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb", "scene.mgf", "scene.pbrt"];
+
+/// The scene file among the names in an archive, or why there is none.
+fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
+    let top: Vec<&str> = names.filter(|name| !name.contains('/')).collect();
+    let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
+    let is_scene =
+        |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb" | "mgf" | "pbrt"));
+    let preferred: Vec<&str> = top.iter().copied().filter(|name| STANDARD_NAMES.contains(name)).collect();
+    let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
+    match candidates.as_slice() {
+        [scene] => Ok((*scene).to_owned()),
+        [] => Err("the archive has no scene file at its top level".to_owned()),
+        several => Err(format!("the archive has several scene files at its top level: {}", several[..2].join(", "))),
+    }
+}
+
+/// Every string parameter called `filename` below `node`, with its place; shared plugins once.
+fn collect_file_names(node: &Node, seen: &mut HashSet<*const Node>, files: &mut Vec<(String, Location)>) {
+    for parameter in &node.parameters {
+        if let (Value::String(name), "filename") = (&parameter.value, parameter.name.as_str()) {
+            files.push((name.clone(), parameter.location.clone()));
+        }
+    }
+    for child in &node.children {
+        if seen.insert(Arc::as_ptr(&child.node)) {
+            collect_file_names(&child.node, seen, files);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The bytes in which a scene travels over HTTP.
+
+use std::collections::BTreeMap;
+use std::io::{Cursor, Write};
+use std::path::Path;
+use std::sync::Arc;
+
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
+
+use super::{Format, Source, format, read_source, scene_file};
+use crate::scene::bundle::{Bundle, checked_name};
+use crate::scene::error::{Location, SceneError};
+
+/// Reads the scene at `path` and every file it refers to, and gives the bytes that [`super::load_bytes`] reads.
+///
+/// A scene that refers to no file stays as it is; otherwise it becomes a zip archive, whose bytes depend on the files'
+/// names and contents only. Files that a scene refers to are those it includes and every string parameter called
+/// `filename`. `defines` are as in [`super::load_file`]: they may choose files, and are not packed themselves.
+///
+/// # Errors
+/// As [`super::load_file`]; when a file is missing; when the scene's file name would be ambiguous in the archive.
+pub fn pack(path: &Path, defines: &[(String, String)]) -> Result<Vec<u8>, SceneError> {
+    let source = read_source(path)?;
+    let imported = source.import(defines)?;
+    let mut files = BTreeMap::new();
+    for (name, location) in &imported.files {
+        files.insert(checked_name(name, location)?, source.bundle.read(name, location)?);
+    }
+    if let Bundle::Archive(_) = source.bundle {
+        // An archive is what was asked for already, and all that it refers to is inside.
+        return std::fs::read(path).map_err(|error| {
+            let location = Location { file: path.display().to_string(), ..Location::default() };
+            SceneError::new(&location, format!("the file cannot be read: {error}"), "")
+        });
+    }
+    if files.is_empty() {
+        return Ok(source.text.to_vec());
+    }
+    let location = Location { file: source.name.clone(), ..Location::default() };
+    files.insert(name_in_archive(&source, &files, &location)?, source.text.clone());
+    write_zip(&files)
+        .map_err(|error| SceneError::new(&location, format!("the scene cannot be packed: {error}"), "pack it by hand"))
+}
+
+/// The scene file's own name if loading would find the scene under it, else `scene.xml` or `scene.json`.
+fn name_in_archive(
+    source: &Source,
+    files: &BTreeMap<String, Arc<[u8]>>,
+    location: &Location,
+) -> Result<String, SceneError> {
+    let standard = match format(&source.text, location)? {
+        Format::Xml | Format::Ceng795 => "scene.xml",
+        Format::Gltf => "scene.gltf",
+        Format::Glb => "scene.glb",
+        Format::Mgf => "scene.mgf",
+        Format::Pbrt => "scene.pbrt",
+        Format::Json | Format::Zip => "scene.json",
+    };
+    let found = |name: &&str| {
+        let names = files.keys().map(String::as_str).chain([*name]);
+        !files.contains_key(*name) && scene_file(names).is_ok_and(|scene| scene == *name)
+    };
+    let name = [source.name.as_str(), standard].into_iter().find(found).ok_or_else(|| {
+        let problem = "another file that the scene refers to would be taken for the scene";
+        SceneError::new(location, problem, format!("name the scene file {standard}, and no other file so"))
+    })?;
+    Ok(name.to_owned())
+}
+
+/// A zip archive whose bytes depend on the files' names and contents only.
+pub(super) fn write_zip(files: &BTreeMap<String, Arc<[u8]>>) -> zip::result::ZipResult<Vec<u8>> {
+    let options = SimpleFileOptions::default()
+        .compression_method(CompressionMethod::Deflated)
+        .last_modified_time(DateTime::default())
+        .unix_permissions(0o644);
+    let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, content) in files {
+        archive.start_file(name, options)?;
+        archive.write_all(content)?;
+    }
+    Ok(archive.finish()?.into_inner())
+}
