@@ -64,6 +64,7 @@ fn busy_rules() -> (Rules, Vec<WorkerId>) {
     let mut rules = Rules::new(RulesOptions {
         lease_duration: Duration::from_secs(15),
         memory_budget: u64::MAX,
+        early_budget: u64::MAX,
         check_share: CheckShare::new(0.01),
         first_id: 1,
     });

@@ -15,6 +15,7 @@ use photonfarm::evaluation::{ProcessStopwatch, Spent, Stopwatch, on_threads};
 use photonfarm::farm::job::{JobRequest, StopRule};
 use photonfarm::farm::merging::Merging;
 use photonfarm::farm::prepared_scenes::prepare_scene;
+use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::store::{Store, StoreLocation};
 use photonfarm::farm::wire::{messages, radius};
 use photonfarm::farm::{CoordinatorOptions, LocalFarm};
@@ -49,14 +50,16 @@ impl Job {
             let never = AtomicBool::new(false);
             let pilot = renderer.pilot(&never)?;
             let declaration = renderer.declaration().clone();
-            let mut merging = Merging::new(scene.width, scene.height, &pilot, &self.stop(), declaration)?;
+            let (width, height, passes) = (scene.width, scene.height, Some(self.passes));
+            let plan = Plan::new(width, height, pilot.cost_per_pass(), passes, declaration.radius_rule);
+            let mut merging = Merging::new(plan, &pilot, None, declaration)?;
             let mut index = 0;
             while let Some(planned) = merging.plan.shard(index) {
                 let field = merging.field_message(planned.field_epoch, planned.region).ok_or("no radii")?;
                 let pixels = planned.shard.region.pixel_count(scene.width);
                 let field = radius::decode(&messages::RadiusField::decode(field)?, pixels)?;
                 let tally = renderer.trace(planned.shard, &field, &never)?;
-                merging.add(index, &tally, messages::Tally::default())?;
+                merging.add(index, tally)?;
                 index += 1;
             }
             Ok(watch.spent()?)

@@ -86,7 +86,16 @@ async fn operations(farm: &Farm, job: &str, scene: &str) -> Vec<(Method, String)
 }
 
 /// What anybody may do who reaches a coordinator with users.
-const PUBLIC: &[&str] = &["GET /healthz", "GET /readyz", "GET /version", "POST /v1/session", "DELETE /v1/session"];
+const PUBLIC: &[&str] = &[
+    "GET /healthz",
+    "GET /readyz",
+    "GET /version",
+    "GET /v1/session",
+    "POST /v1/session",
+    "DELETE /v1/session",
+    "GET /v1/session/provider",
+    "GET /v1/session/provider/return",
+];
 
 #[tokio::test(flavor = "multi_thread")]
 async fn every_endpoint_asks_who_it_is() {

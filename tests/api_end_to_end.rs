@@ -400,6 +400,8 @@ async fn the_description_names_every_address() {
         "/v1/scenes",
         "/v1/scenes/{hash}",
         "/v1/session",
+        "/v1/session/provider",
+        "/v1/session/provider/return",
         "/v1/tokens",
         "/v1/tokens/{id}",
         "/v1/users",
@@ -583,6 +585,8 @@ async fn half_open_connections_are_closed() {
 async fn names_cannot_hold_what_changes_a_terminal() {
     let farm = Farm::start(0).await;
     let job = json!({ "scene_inline": SCENE, "stop": { "passes": 1 }, "name": "\u{1b}[31mred" });
+    problem(farm.post("/v1/jobs", job.to_string()).await, 422, "bad-request").await;
+    let job = json!({ "scene_inline": SCENE, "stop": { "passes": 1 }, "tags": ["gpj\u{202e}exr"] });
     problem(farm.post("/v1/jobs", job.to_string()).await, 422, "bad-request").await;
     let long = json!({ "scene_inline": SCENE, "stop": { "seconds": 1e300 } });
     problem(farm.post("/v1/jobs", long.to_string()).await, 422, "bad-request").await;

@@ -243,6 +243,8 @@ async fn downloads_go_on_where_they_broke_off() {
     assert!(status == 206 && bytes == whole.slice(..10));
     let (status, _, bytes) = part("bytes=-7", &tag).await;
     assert!(status == 206 && bytes == whole.slice(length - 7..));
+    let (status, _, bytes) = part(&format!("bytes=-{}", length + 1), &tag).await;
+    assert!(status == 200 && bytes == whole, "the last so many of fewer bytes are all");
     let (status, _, bytes) = part("bytes=100-", "\"another picture\"").await;
     assert!(status == 200 && bytes == whole, "another picture begins anew");
     let (status, place, _) = part(&format!("bytes={length}-"), &tag).await;

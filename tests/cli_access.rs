@@ -109,6 +109,15 @@ fn two_users_render_with_a_worker_that_joined_by_token() {
     let rack = tokens.lines().find(|line| line.ends_with("the rack")).expect("it is listed");
     coordinator.printed(&anna, &["token", "rm", rack.split('\t').next().expect("an id")]);
     assert_eq!(worker.wait().expect("it ends").code(), Some(4), "a worker whose token is revoked ends");
+    let journal = coordinator.printed(&ben, &["journal"]);
+    for deed in [
+        "user ben was added as artist by anna",
+        "of nobody was made by anna",
+        "of nobody was revoked by anna",
+        "is cancelled",
+    ] {
+        assert!(journal.lines().any(|line| line.starts_with("20") && line.contains(deed)), "{deed}: {journal}");
+    }
     let mut wrong = coordinator.command(&anna, &["jobs"]);
     wrong.env("PHOTONFARM_FINGERPRINT", format!("sha256:{}", "0".repeat(64)));
     ended(&wrong.output().expect("it starts"), 4);

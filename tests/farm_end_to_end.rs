@@ -17,6 +17,7 @@ use hand::Hand;
 use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::picture_files::LAYERS;
 use photonfarm::estimate::{Declaration, RadiusRule, Shard, Tally};
+use photonfarm::farm::cut::Cut;
 use photonfarm::farm::dial::Dialer;
 use photonfarm::farm::ids::JobId;
 use photonfarm::farm::job::{JobRequest, JobState, JobStatus, StopRule};
@@ -157,6 +158,39 @@ async fn workers_and_threads_do_not_change_the_picture() {
             let id = farm.submit(rule, passes(75)).await;
             assert!(farm.bits(id).await == expected, "{rule}, {workers} workers, {threads} threads");
         }
+    }
+}
+
+/// Another cut is another picture of the same scene, with the same bits from any farm.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_cut_that_was_asked_for_is_kept_and_decides_the_bits() {
+    let cut = Cut { passes_per_shard: Some(2), shards_per_epoch: Some(40) };
+    let mut pictures = Vec::new();
+    for (workers, cut) in [(1, cut), (4, cut), (1, Cut::default())] {
+        let farm = Farm::start(Duration::from_secs(15)).await;
+        let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
+        let scene = farm.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
+        let parameters = [("photons_per_pass".to_owned(), json!(3000))].into_iter().collect();
+        let request = JobRequest { parameters, stop: passes(90), cut, seed: 7, ..JobRequest::of_scene(scene) };
+        let id = farm.handle.submit(request).await.expect("a good request");
+        assert_eq!(farm.end(id).await.cut, cut);
+        pictures.push(farm.bits(id).await);
+    }
+    assert!(pictures[0] == pictures[1], "one worker and four");
+    assert!(pictures[0] != pictures[2], "the cut decides after which passes radii are refreshed");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_cut_that_cannot_be_is_refused() {
+    let farm = Farm::start(Duration::from_secs(15)).await;
+    let scene = farm.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
+    for (passes_per_shard, shards_per_epoch) in
+        [(Some(0), None), (Some(1025), None), (None, Some(0)), (None, Some(15)), (None, Some(4098))]
+    {
+        let cut = Cut { passes_per_shard, shards_per_epoch };
+        let refused = farm.handle.submit(JobRequest { cut, ..JobRequest::of_scene(scene.clone()) }).await;
+        let problem = refused.expect_err("it is refused").to_string();
+        assert!(problem.contains("cut."), "{problem}");
     }
 }
 

@@ -30,6 +30,8 @@ use split_mix::Random;
 
 /// Schedules of a usual run.
 const SEEDS: u64 = 10_000;
+/// Tallies that may come before their turn, all together.
+const EARLY_BUDGET: u64 = 20;
 const LEASE: Duration = Duration::from_secs(5);
 /// Faults happen until then, seconds.
 const FAULTS_UNTIL: f64 = 120.0;
@@ -229,6 +231,7 @@ impl World {
         let rules = Rules::new(RulesOptions {
             lease_duration: LEASE,
             memory_budget: 70,
+            early_budget: EARLY_BUDGET,
             check_share: CheckShare::new(if self.has_liar { 1.0 } else { 0.2 }),
             first_id: life << 40,
         });
@@ -532,7 +535,8 @@ impl World {
                     merging.checksum = fold(merging.checksum, merging.merged, is_lie);
                     merging.merged += 1;
                 }
-                let totals = totals(merging.plan.as_ref(), merging.merged);
+                let early_bytes = merging.waiting.len() as u64;
+                let totals = MergedTotals { early_bytes, ..totals(merging.plan.as_ref(), merging.merged) };
                 self.apply(Event::Merged { job, totals });
             }
             other => panic!("{other:?} is not merged"),

@@ -35,6 +35,9 @@ fn terms(stop: StopRule) -> Terms {
     Terms { stop, priority: Priority::DEFAULT, memory: 1, chooses_method: false, notices: Vec::new() }
 }
 
+/// What a tally takes while it waits for its turn.
+const TALLY_BYTES: u64 = 10;
+
 /// What the adapter keeps of a job: the merge order, and a checksum that depends on it.
 #[derive(Default)]
 struct Merge {
@@ -49,7 +52,8 @@ impl Merge {
         let shards = self.order.len() as u64;
         let plan = self.plan.as_ref().expect("a pilot came first");
         let done = plan.shard(shards).map_or(plan.passes, |next| next.shard.first_pass);
-        MergedTotals { shards, passes: done, ..MergedTotals::default() }
+        let early_bytes = self.waiting.len() as u64 * TALLY_BYTES;
+        MergedTotals { shards, passes: done, early_bytes, ..MergedTotals::default() }
     }
 
     fn take(&mut self, index: u64) {
@@ -60,6 +64,16 @@ impl Merge {
             self.checksum = self.checksum.wrapping_mul(31).wrapping_add(next + 1);
             self.order.push(next);
         }
+    }
+}
+
+fn options() -> RulesOptions {
+    RulesOptions {
+        lease_duration: LEASE,
+        memory_budget: 100,
+        early_budget: u64::MAX,
+        check_share: CheckShare::new(0.0),
+        first_id: 1000,
     }
 }
 
@@ -79,15 +93,7 @@ struct Farm {
 
 impl Farm {
     fn new(rule: RadiusRule) -> Self {
-        Self::with(
-            rule,
-            RulesOptions {
-                lease_duration: LEASE,
-                memory_budget: 100,
-                check_share: CheckShare::new(0.0),
-                first_id: 1000,
-            },
-        )
+        Self::with(rule, options())
     }
 
     fn with(rule: RadiusRule, options: RulesOptions) -> Self {
@@ -303,6 +309,61 @@ fn running_farm(stop: StopRule) -> (Farm, WorkerId) {
     farm.pass_time(0.5);
     farm.deliver(&pilot, &accepted());
     (farm, worker)
+}
+
+/// Tallies that come before their turn take memory. Where they take more than they may, only what is next is traced, and the job still ends.
+#[test]
+fn early_tallies_take_no_more_memory_than_they_may() {
+    let options = RulesOptions { early_budget: 3 * TALLY_BYTES, ..options() };
+    for rule in [RadiusRule::Statistics, RadiusRule::Schedule] {
+        let mut farm = Farm::with(rule, options);
+        let workers: Vec<WorkerId> = (0..10).map(|index| farm.join(&format!("w{index}"))).collect();
+        farm.add_job(1, passes(200));
+        let pilot = farm.lease(workers[0]).expect("the pilot");
+        farm.deliver(&pilot, &accepted());
+        let slow = farm.lease(workers[0]).expect("the first shard");
+        let mut early = 0;
+        while let Some(lease) = farm.lease(workers[1]) {
+            farm.deliver(&lease, &accepted());
+            early += 1;
+            assert!(early <= 3, "{rule:?}: more came early than there is room for");
+        }
+        assert_eq!(early, 3, "{rule:?}");
+        assert_eq!(farm.deliver(&slow, &accepted()), Answer::Take(slow));
+        work_for(&mut farm, &workers, 400);
+        assert_eq!(farm.state(1), JobState::Done, "{rule:?}");
+    }
+}
+
+/// Where more jobs run than a worker's caches hold, workers change jobs seldom, and all jobs still get the same share.
+#[test]
+fn workers_stay_with_a_job_while_its_share_allows() {
+    let changes = |jobs: u64| {
+        let mut farm = Farm::new(RadiusRule::Schedule);
+        farm.cost = 1_000_000;
+        let workers: Vec<WorkerId> = (0..jobs).map(|index| farm.join(&format!("w{index}"))).collect();
+        for job in 1..=jobs {
+            farm.add_job(job, passes(1 << 20));
+            let pilot = farm.lease(workers[0]).expect("a pilot");
+            farm.deliver(&pilot, &accepted());
+        }
+        let mut last = BTreeMap::new();
+        let (mut changes, mut shards) = (0, BTreeMap::<JobId, u64>::new());
+        for round in 0..40 * workers.len() {
+            // Workers are not equally fast, or each would be where it was by chance.
+            let worker = workers[(round * round + round / 3) % workers.len()];
+            let lease = farm.lease(worker).expect("work");
+            farm.deliver(&lease, &accepted());
+            changes += u32::from(last.insert(worker, lease.job).is_some_and(|before| before != lease.job));
+            *shards.entry(lease.job).or_default() += 1;
+        }
+        let (least, most) = (shards.values().min().copied(), shards.values().max().copied());
+        assert!(most.zip(least).is_some_and(|(most, least)| most - least <= 3), "unequal shares: {shards:?}");
+        f64::from(changes) / (40 * workers.len()) as f64
+    };
+    let (few, many) = (changes(2), changes(12));
+    assert!(few > 0.4, "two jobs fit into a worker's caches: it takes whichever is next ({few})");
+    assert!(many < 0.6, "a worker changed its job in {many} of its shards");
 }
 
 /// What is said to wait is what further workers get, and no more.
@@ -668,10 +729,7 @@ fn digest_of(lease: &Lease, lies: bool) -> Digest {
 }
 
 fn checking_farm(share: f64) -> Farm {
-    Farm::with(
-        RadiusRule::Statistics,
-        RulesOptions { lease_duration: LEASE, memory_budget: 100, check_share: CheckShare::new(share), first_id: 1000 },
-    )
+    Farm::with(RadiusRule::Statistics, RulesOptions { check_share: CheckShare::new(share), ..options() })
 }
 
 #[test]

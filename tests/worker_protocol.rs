@@ -31,7 +31,7 @@ async fn submit(farm: &LocalFarm) -> JobId {
 
 /// A token by which workers join, on a farm with an admin.
 async fn worker_token(farm: &LocalFarm) -> String {
-    farm.client().add_user("anna".parse().expect("a name"), Role::Admin).await.expect("added");
+    farm.client().add_user(&Caller::Anyone, "anna".parse().expect("a name"), Role::Admin).await.expect("added");
     let wanted = TokenRequest { user: None, label: String::new(), scope: Some(Scope::Worker), days: None };
     farm.client().issue_token(&Caller::Anyone, wanted).await.expect("a token").secret.reveal().to_owned()
 }

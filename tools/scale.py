@@ -39,7 +39,7 @@ FARM = dict(
     mutex=10e-6,                 # seconds for which a lease or a result holds the rules
     round_trip=0.001,
     scene_bytes=0.0, prepare=0.0,  # of a job's own scene, when it is not the one that all jobs share
-    affinity=False,              # a worker is given the job that it worked on, where that has work
+    affinity=True,               # a worker stays with the job that it worked on until that is two shards ahead
     deaths=0.0,                  # share of workers that die per minute
     prefetch=True,
     fresh=False,                 # nothing but one new job: when is its first picture there?
@@ -50,6 +50,7 @@ FARM = dict(
 LEASES, SLOTS, FIELDS, SCENES = 3, 2, 6, 2   # of a worker: leases, deliveries, radius fields and scenes that it keeps
 SCHEDULE_WINDOW = 64             # shards of a job without `statistics` that may be under way
 CREDIT = 1.0                     # passes that a job may catch up
+SHARDS_AHEAD = 2                 # by which the job that a worker stays with may be ahead
 EXPIRY, REPLACED = 15.0, 30.0    # seconds until a dead worker's leases expire, and until another one stands in its place
 
 
@@ -131,7 +132,7 @@ class Farm:
         self.warm = 0.0 if p["fresh"] else max(10.0, 8 * self.shard, 1.5 * fill)
         self.end = self.warm + (p["seconds"] or max(10.0, 10 * self.shard, fill / 3))
         self.traced = self.wasted = self.useful = 0.0
-        self.served = 0.0
+        self.served, self.turn = 0.0, 0.0
         self.waits, self.results, self.leases, self.herd = [], 0, 0, 0
         self.bytes_in = self.bytes_out = 0.0
 
@@ -197,10 +198,14 @@ class Farm:
             self.give(job, worker)
 
     def choose(self, worker):
-        if self.p["affinity"] and worker.last is not None:
-            job = self.jobs[worker.last]
-            if job.may_issue():
-                return job
+        turn = self.whose_turn()
+        self.turn = turn.served if turn else self.served
+        if turn is None or not self.p["affinity"] or worker.last is None or len(self.jobs) <= SCENES:
+            return turn
+        last = self.jobs[worker.last]
+        return last if last.may_issue() and last.served <= turn.served + SHARDS_AHEAD * self.p["passes"] else turn
+
+    def whose_turn(self):
         while self.open:
             served, number = self.open[0]
             job = self.jobs[number]
@@ -241,7 +246,7 @@ class Farm:
         self.leases += self.counts()
         # Fair shares: a job that could not take its share catches up a little at most.
         served = max(job.served, self.served - CREDIT)
-        self.served = max(self.served, served)
+        self.served = max(self.served, min(served, self.turn))
         job.served = served + job.passes(index)
         job.out.setdefault(index, []).append((self.now, worker))
         worker.held.add((job.number, index))
@@ -374,16 +379,15 @@ class Farm:
         if self.counts():
             self.useful += job.passes(index)
         if job.turn == index and not job.is_merging:
-            self.fold(job, index)
+            self.fold(job)
         if worker is not None:
             self.at(max(self.now, job.lock) + p["round_trip"] / 2, self.answered, job, index, worker, life)
 
-    def fold(self, job, fresh):
-        """Merges all that is in turn, under the job's lock. What waited is decoded a second time."""
+    def fold(self, job):
+        """Merges all that is in turn, under the job's lock."""
         p, seconds = self.p, 0.0
-        merge, again = self.raw / p["mergers"] / p["merge"], self.raw / p["mergers"] / p["decode"]
         while job.turn in job.arrived:
-            seconds += merge + (again if job.turn != fresh else 0.0)
+            seconds += self.raw / p["mergers"] / p["merge"]
             job.arrived.discard(job.turn)
             job.turn += 1
             if job.turn % (p["epoch"] * p["regions"]) == 0 and self.field:
@@ -407,7 +411,7 @@ class Farm:
             job.first = self.now - self.warm
         job.is_merging = False
         if job.turn in job.arrived:
-            self.fold(job, None)
+            self.fold(job)
         self.offer(job)
 
     def answered(self, job, index, worker, life):
@@ -683,7 +687,7 @@ def simulations():
                     for name in SIZES for method in METHODS for mergers, link in ((1, 10), (1, 25), (16, 10))])
     print("\n1,000 workers of one thread, 16 mergers, 1080p `sppm`: every job with a scene of its own.")
     scenes = [("20 MB, 0.5 s to prepare", dict(scene_bytes=20e6, prepare=0.5)), ("200 MB, 5 s to prepare", dict(scene_bytes=200e6, prepare=5.0))]
-    table(COLUMNS[:-2], [simulated(f"{name}{', workers stay with their job' if affinity else ''}", False, workers=1000, mergers=16, affinity=affinity, **scene)
+    table(COLUMNS[:-2], [simulated(f"{name}{'' if affinity else ', the job whose turn it is'}", False, workers=1000, mergers=16, affinity=affinity, **scene)
                     for name, scene in scenes for affinity in (False, True)])
     print("\n10,000 workers of one thread, pictures of 512 × 512: what the leader alone has to do.")
     for microseconds in (10, 30):

@@ -49,8 +49,13 @@ pub fn token(headers: &HeaderMap) -> Option<&str> {
 
 /// The token in the page's cookie.
 pub fn session(headers: &HeaderMap) -> Option<&str> {
+    cookie_named(headers, COOKIE)
+}
+
+/// What a cookie holds.
+pub fn cookie_named<'a>(headers: &'a HeaderMap, wanted: &str) -> Option<&'a str> {
     let cookies = text(headers, header::COOKIE)?.split(';').filter_map(|cookie| cookie.trim().split_once('='));
-    cookies.into_iter().find(|(name, _)| *name == COOKIE).map(|(_, token)| token)
+    cookies.into_iter().find(|(name, _)| *name == wanted).map(|(_, value)| value)
 }
 
 /// The job in the address, which the caller may change: it is their own, or they are an admin.

@@ -11,11 +11,11 @@ use super::ApiState;
 use super::extract::{JsonBody, PathValue, parse_job};
 use super::guard::OwnJob;
 use super::jobs::{JobView, accepted};
-use super::preferences::{Preferences, check_version};
+use super::preferences::{Preferences, is_version_meant};
 use super::problem::Problem;
 use crate::farm::access::caller::Caller;
 use crate::farm::coordinator::JobChanges;
-use crate::farm::job::{Priority, StopRule};
+use crate::farm::job::{JobStatus, Priority, StopRule};
 
 /// What of a job may change at any time. What is left out stays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -74,9 +74,9 @@ pub async fn change_job(
     headers: HeaderMap,
     JsonBody(patch): JsonBody<JobPatch>,
 ) -> Result<Response, Problem> {
-    check_version(&state.coordinator.job(id)?, &headers)?;
     let JobPatch { name, tags, priority } = patch;
-    let changed = state.coordinator.change(id, JobChanges { name, tags, priority }).await?;
+    let is_meant = |job: &JobStatus| is_version_meant(job, &headers);
+    let changed = state.coordinator.change(id, JobChanges { name, tags, priority }, is_meant).await?;
     Ok(Preferences::default().answer(StatusCode::OK, changed))
 }
 

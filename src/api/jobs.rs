@@ -17,6 +17,7 @@ use super::problem::Problem;
 use crate::farm::FarmError;
 use crate::farm::access::caller::Caller;
 use crate::farm::access::user::UserName;
+use crate::farm::cut::Cut;
 use crate::farm::ids::JobId;
 use crate::farm::job::{JobFilter, JobRequest, JobState, JobStatus, Priority, StopRule};
 
@@ -42,6 +43,9 @@ pub struct JobSubmission {
     /// When to stop; after the method's `passes` when nothing is given.
     #[serde(default)]
     pub stop: StopRule,
+    /// How finely it is cut into what workers trace; pictures of different cuts have different bits.
+    #[serde(default, skip_serializing_if = "Cut::is_empty")]
+    pub cut: Cut,
     /// Seed of all random numbers; 0 by default.
     #[serde(default)]
     pub seed: u64,
@@ -230,8 +234,8 @@ fn one_scene(has_two: bool) -> Problem {
 impl JobSubmission {
     /// The same with a scene that is there.
     fn request(self, scene: String) -> JobRequest {
-        let Self { method, parameters, stop, seed, name, tags, priority, .. } = self;
-        JobRequest { scene, method, parameters, stop, seed, name, tags, priority }
+        let Self { method, parameters, stop, cut, seed, name, tags, priority, .. } = self;
+        JobRequest { scene, method, parameters, stop, cut, seed, name, tags, priority }
     }
 }
 

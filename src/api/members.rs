@@ -103,9 +103,10 @@ pub async fn list_users(State(state): State<ApiState>) -> Json<UserList> {
 )]
 pub async fn add_user(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     JsonBody(new): JsonBody<NewUser>,
 ) -> Result<(StatusCode, Json<AddedUser>), Problem> {
-    let (user, token) = state.coordinator.add_user(new.name, new.role).await?;
+    let (user, token) = state.coordinator.add_user(&caller, new.name, new.role).await?;
     Ok((StatusCode::CREATED, Json(AddedUser { user, token: token.into() })))
 }
 
@@ -124,10 +125,11 @@ pub async fn add_user(
 )]
 pub async fn change_user(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     PathValue(name): PathValue<String>,
     JsonBody(patch): JsonBody<UserPatch>,
 ) -> Result<Json<User>, Problem> {
-    Ok(Json(state.coordinator.change_role(&parse_name(&name)?, patch.role).await?))
+    Ok(Json(state.coordinator.change_role(&caller, &parse_name(&name)?, patch.role).await?))
 }
 
 /// Deletes a user with all tokens; their jobs stay. For admins.
@@ -142,9 +144,10 @@ pub async fn change_user(
 )]
 pub async fn delete_user(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     PathValue(name): PathValue<String>,
 ) -> Result<StatusCode, Problem> {
-    state.coordinator.delete_user(&parse_name(&name)?).await?;
+    state.coordinator.delete_user(&caller, &parse_name(&name)?).await?;
     Ok(StatusCode::NO_CONTENT)
 }
 

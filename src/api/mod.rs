@@ -8,7 +8,7 @@
 //! | [`extract`] | path, query and body of a request, with errors as problems |
 //! | [`security_headers`] | what every answer tells browsers not to do |
 //! | [`guard`] | who may use which endpoint |
-//! | [`session`], [`members`] | who one is; users and tokens |
+//! | [`session`], [`provider_login`], [`members`] | who one is; users and tokens |
 //! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
 //! | [`standby`] | what is answered while another coordinator leads |
 //! | [`openapi`] | the description of all this, generated from the handlers |
@@ -27,6 +27,7 @@ pub mod metrics;
 pub mod openapi;
 pub mod preferences;
 pub mod problem;
+pub mod provider_login;
 mod ranges;
 pub mod scenes;
 pub mod security_headers;
@@ -112,7 +113,9 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(workers::limits))
         .route_layer(from_fn_with_state(state.clone(), guard::read_or_submit))
         .merge(member_routes(state))
-        .routes(routes!(session::log_in, session::log_out))
+        .routes(routes!(provider_login::ways_to_log_in, session::log_in, session::log_out))
+        .routes(routes!(provider_login::leave_for_provider))
+        .routes(routes!(provider_login::return_from_provider))
         .layer(DefaultBodyLimit::max(SMALL_BODY));
     let watched = OpenApiRouter::new()
         .routes(routes!(metrics::metrics))

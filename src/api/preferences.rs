@@ -86,17 +86,11 @@ fn version(job: &JobStatus) -> String {
     format!("\"{}\"", &blake3::hash(text.as_bytes()).to_hex()[..32])
 }
 
-/// Lets pass what means to change the version that there is.
-#[expect(clippy::result_large_err, reason = "made at most once a request")]
-pub fn check_version(job: &JobStatus, headers: &HeaderMap) -> Result<(), Problem> {
-    let Some(wanted) = text(headers, header::IF_MATCH) else { return Ok(()) };
+/// Whether a request means to change the version that there is.
+pub fn is_version_meant(job: &JobStatus, headers: &HeaderMap) -> bool {
+    let Some(wanted) = text(headers, header::IF_MATCH) else { return true };
     let version = version(job);
-    if wanted.split(',').map(str::trim).any(|tag| tag == "*" || tag == version) {
-        return Ok(());
-    }
-    let detail = format!("job {} was changed since", job.id);
-    Err(Problem::new(StatusCode::PRECONDITION_FAILED, "changed-since", detail)
-        .remedy("get it again, and then change it"))
+    wanted.split(',').map(str::trim).any(|tag| tag == "*" || tag == version)
 }
 
 #[cfg(test)]

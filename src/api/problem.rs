@@ -157,6 +157,10 @@ impl From<FarmError> for Problem {
             FarmError::Conflict { problem, remedy } => {
                 Self::new(StatusCode::CONFLICT, "conflict", problem).remedy(remedy)
             }
+            FarmError::ChangedSince(job) => {
+                Self::new(StatusCode::PRECONDITION_FAILED, "changed-since", format!("job {job} was changed since"))
+                    .remedy("get it again, and then change it")
+            }
             FarmError::Lost { problem } => Self::new(StatusCode::INTERNAL_SERVER_ERROR, "lost", problem)
                 .remedy("restore the store from a backup, or upload and submit again"),
             FarmError::Store { problem } => Self::new(StatusCode::SERVICE_UNAVAILABLE, "store-fails", problem)
@@ -180,6 +184,7 @@ impl From<Denied> for Problem {
             Denied::NoToken => (StatusCode::UNAUTHORIZED, "no-token"),
             Denied::UnknownToken => (StatusCode::UNAUTHORIZED, "unknown-token"),
             Denied::Scope { .. } => (StatusCode::FORBIDDEN, "not-allowed"),
+            Denied::UnknownAccount { .. } => (StatusCode::FORBIDDEN, "unknown-account"),
             Denied::NotYours { .. } => (StatusCode::FORBIDDEN, "not-yours"),
         };
         Self::new(status, slug, denied.to_string()).remedy(denied.remedy())

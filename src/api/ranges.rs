@@ -19,7 +19,7 @@ pub(super) fn image(content_type: &'static str, tag: &str, bytes: Vec<u8>, reque
         (header::ACCEPT_RANGES, "bytes"),
     ];
     let length = bytes.len() as u64;
-    let Some(range) = wanted_range(request, tag) else { return (headers, bytes).into_response() };
+    let Some(range) = wanted_range(request, tag, length) else { return (headers, bytes).into_response() };
     // Of several ranges none is answered: whoever asks gets the whole.
     let mut ranges = range.satisfiable_ranges(length);
     let first = ranges.next().and_then(|(start, end)| Some((first_byte(start)?, last_byte(end, length)?)));
@@ -58,8 +58,11 @@ fn last_byte(bound: Bound<u64>, length: u64) -> Option<u64> {
     }
 }
 
-/// The range that a request asks for, unless it means another picture than this.
-fn wanted_range(request: &HeaderMap, tag: &str) -> Option<Range> {
+/// The range that a request asks for, unless it means another picture than this, or the end of it by more bytes than there are: that is all of it.
+fn wanted_range(request: &HeaderMap, tag: &str, length: u64) -> Option<Range> {
     let means_this = text(request, header::IF_RANGE).is_none_or(|wanted| wanted == tag);
-    request.typed_get::<Range>().filter(|_| means_this)
+    let suffix =
+        text(request, header::RANGE).and_then(|range| range.trim().strip_prefix("bytes=-")?.parse::<u64>().ok());
+    let means_all = suffix.is_some_and(|suffix| suffix >= length);
+    request.typed_get::<Range>().filter(|_| means_this && !means_all)
 }

@@ -16,7 +16,7 @@ use crate::farm::access::scope::Scope;
 use crate::farm::access::user::UserName;
 
 /// Days for which a page stays logged in.
-const DAYS: u16 = 7;
+pub(super) const DAYS: u16 = 7;
 
 /// Who sent the request.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
@@ -62,8 +62,7 @@ pub async fn who_am_i(Extension(caller): Extension<Caller>) -> Json<Me> {
 pub async fn log_in(State(state): State<ApiState>, JsonBody(login): JsonBody<Login>) -> Result<Response, Problem> {
     let caller = state.coordinator.caller(Some(&login.token))?;
     let new = state.coordinator.log_in(&caller, DAYS).await?;
-    let age = u64::from(DAYS) * 86_400;
-    let cookie = cookie(new.secret.reveal(), age, state.coordinator.is_encrypted());
+    let cookie = cookie_for(new.secret.reveal(), state.coordinator.is_encrypted());
     Ok(([(header::SET_COOKIE, cookie)], Json(Me::from(&caller))).into_response())
 }
 
@@ -74,6 +73,11 @@ pub async fn log_out(State(state): State<ApiState>, headers: HeaderMap) -> Resul
     state.coordinator.log_out(&caller).await?;
     let cookie = cookie("", 0, state.coordinator.is_encrypted());
     Ok((StatusCode::NO_CONTENT, [(header::SET_COOKIE, cookie)]).into_response())
+}
+
+/// The cookie of a page that is logged in by the token `secret`.
+pub(super) fn cookie_for(secret: &str, is_encrypted: bool) -> String {
+    cookie(secret, u64::from(DAYS) * 86_400, is_encrypted)
 }
 
 fn cookie(value: &str, seconds: u64, is_encrypted: bool) -> String {

@@ -80,31 +80,31 @@ pub async fn limits(State(state): State<ApiState>) -> Json<Limits> {
 }
 
 /// Part of the journal.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct Journal {
     /// Oldest first.
     pub lines: Vec<JournalLine>,
 }
 
 /// Something that happened on the farm.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct JournalLine {
     /// Its place in the journal; later lines have larger ones.
     pub sequence: i64,
     /// When, milliseconds since 1970.
     pub time: i64,
     /// The job that it is about.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub job: Option<String>,
     /// The worker that it is about.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub worker: Option<String>,
     /// What happened.
     pub text: String,
 }
 
 /// Which part of the journal.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct JournalQuery {
@@ -112,13 +112,14 @@ pub struct JournalQuery {
     #[serde(default)]
     pub after: i64,
     /// Only lines about this job.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub job: Option<String>,
 }
 
 /// Lines of an answer at most.
 const LINES: u16 = 1000;
 
-/// Tells what happened: who joined and left, how jobs went on. At most 1000 lines.
+/// Tells what happened: who joined and left, how jobs went on, who was given access by whom. At most 1000 lines.
 #[utoipa::path(
     get, path = "/journal", tag = "workers", params(JournalQuery),
     responses(

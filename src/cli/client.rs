@@ -20,6 +20,7 @@ use super::trust_options::TrustOptions;
 use crate::api::job_control::{CloneRequest, JobPatch};
 use crate::api::jobs::{JobSubmission, JobsQuery};
 use crate::api::problem::Problem;
+use crate::api::workers::{Journal, JournalLine, JournalQuery};
 use crate::farm::SceneSummary;
 use crate::farm::access::secret::Secret;
 use crate::farm::dial::TlsSettings;
@@ -133,6 +134,10 @@ impl Client {
 
     pub(super) async fn workers(&self) -> Result<Vec<WorkerStatus>, CliError> {
         Ok(self.json::<WorkerList>(self.request(Method::GET, "/v1/workers")).await?.workers)
+    }
+
+    pub(super) async fn journal(&self, query: &JournalQuery) -> Result<Vec<JournalLine>, CliError> {
+        Ok(self.json::<Journal>(self.request(Method::GET, "/v1/journal").query(query)).await?.lines)
     }
 
     /// Asks an address that answers with 200 when all is well.

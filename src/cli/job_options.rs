@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::stop_options::StopOptions;
 use crate::api::jobs::JobSubmission;
+use crate::farm::cut::Cut;
 use crate::farm::job::Priority;
 
 /// A scene and how to render it.
@@ -27,6 +28,12 @@ pub(super) struct JobOptions {
     strategy: Option<String>,
     #[command(flatten)]
     stop: StopOptions,
+    /// Passes of a full-grown shard, 1 to 1024; by default as many as cost one core about a second. Other cuts have other bits.
+    #[arg(long, value_name = "N")]
+    passes_per_shard: Option<u32>,
+    /// Shards of a region between two refreshes of the radii, even, 2 to 4096; 16 by default. More let more workers trace one picture.
+    #[arg(long, value_name = "N")]
+    shards_per_epoch: Option<u32>,
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -55,6 +62,7 @@ impl JobOptions {
             method: self.method.clone(),
             parameters: self.settings.iter().cloned().chain(length).chain(strategy).collect(),
             stop: self.stop.rule(),
+            cut: Cut { passes_per_shard: self.passes_per_shard, shards_per_epoch: self.shards_per_epoch },
             seed: self.seed,
             name: self.name.clone(),
             tags: self.tags.clone(),

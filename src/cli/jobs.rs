@@ -14,7 +14,7 @@ use crate::farm::job::{JobState, JobStatus};
 
 /// List a coordinator's jobs, all or those that are asked for.
 ///
-/// Oldest first: id, state, passes, seconds, method, name, separated by tabs.
+/// Oldest first: id, state, passes, seconds, method, owner, name, separated by tabs.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Jobs {
     /// Only jobs in this state.
@@ -60,5 +60,6 @@ fn line(job: &JobStatus) -> String {
     let state = job.state.name();
     let total = job.passes_total.map(|total| format!("/{total}")).unwrap_or_default();
     let name = job.name.as_deref().unwrap_or("-");
-    format!("{}\t{state}\t{}{total}\t{:.1}\t{}\t{name}", job.id, job.passes_done, job.seconds, job.method)
+    let owner = job.owner.as_ref().map_or("-", UserName::as_str);
+    format!("{}\t{state}\t{}{total}\t{:.1}\t{}\t{owner}\t{name}", job.id, job.passes_done, job.seconds, job.method)
 }

@@ -15,6 +15,7 @@ mod health;
 mod import;
 mod job_options;
 mod jobs;
+mod journal;
 mod log_option;
 mod map;
 mod methods;
@@ -25,6 +26,7 @@ mod pause;
 mod plan;
 mod processor;
 mod progress;
+mod provider_options;
 mod render;
 mod resume;
 mod rm;
@@ -95,6 +97,7 @@ enum Command {
     Jobs(jobs::Jobs),
     Scenes(scenes::Scenes),
     Workers(workers::Workers),
+    Journal(journal::Journal),
     Top(top::Top),
     Health(health::Health),
     Store(store::Store),
@@ -150,6 +153,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Jobs(command) => in_runtime(command.run()),
         Command::Scenes(command) => in_runtime(command.run()),
         Command::Workers(command) => in_runtime(command.run()),
+        Command::Journal(command) => in_runtime(command.run()),
         Command::Top(command) => in_runtime(command.run()),
         Command::Health(command) => in_runtime(command.run()),
         Command::Store(command) => in_runtime(command.run()),
@@ -188,7 +192,10 @@ fn start_log(verbose: u8, farm_log: Option<LogForm>) {
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).log_internal_errors(false);
     let lines = match farm_log.unwrap_or_default() {
         LogForm::Text => lines.with_ansi(std::io::stderr().is_terminal()).with_target(false).boxed(),
-        LogForm::Json => lines.json().flatten_event(true).boxed(),
+        LogForm::Json => {
+            terminal::log_notes();
+            lines.json().flatten_event(true).boxed()
+        }
     };
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }

@@ -2,6 +2,7 @@
 
 use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
@@ -9,6 +10,7 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
 use super::log_option::LogOption;
+use super::provider_options::LoginOptions;
 use super::store_options::StoreOptions;
 use super::tls_options::TlsOptions;
 use super::token_option::token_file;
@@ -47,6 +49,8 @@ pub(super) struct Serve {
     store: StoreOptions,
     #[command(flatten)]
     tls: TlsOptions,
+    #[command(flatten)]
+    login: LoginOptions,
     #[command(flatten)]
     pub(super) log: LogOption,
     /// Memory for the states of running jobs, GiB [default: half of this machine's].
@@ -237,6 +241,7 @@ impl Serve {
         }
         options.snapshot_interval = Duration::from_secs_f64(interval);
         options.host_names.clone_from(&self.host_names);
+        options.login = self.login.provider()?.map(Arc::new);
         options.admin_token = self.admin_token_file.as_deref().map(token_file).transpose()?;
         options.worker_token = self.worker_token_file.as_deref().map(token_file).transpose()?;
         Ok(options)

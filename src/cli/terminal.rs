@@ -1,8 +1,12 @@
 //! Lines to standard output and standard error that do not panic when nobody listens any more.
 
 use std::io::{ErrorKind, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use time::format_description::well_known::Rfc3339;
 
 use super::exit_code::CliError;
+use crate::farm::EVENTS;
 
 /// Prints a result. A reader that has seen enough (`| head`) is no error.
 pub(super) fn result(text: &str) -> Result<(), CliError> {
@@ -15,10 +19,27 @@ pub(super) fn result(text: &str) -> Result<(), CliError> {
     }
 }
 
+/// Whether programs read standard error.
+static IS_LOGGED: AtomicBool = AtomicBool::new(false);
+
+/// From now on what is told to the user is a line of the log, which programs read.
+pub(super) fn log_notes() {
+    IS_LOGGED.store(true, Ordering::Relaxed);
+}
+
 /// Tells the user something on standard error.
 pub(super) fn note(text: &str) {
+    if IS_LOGGED.load(Ordering::Relaxed) {
+        return tracing::info!(target: EVENTS, "{text}");
+    }
     // Where standard error is closed there is nobody to tell.
     let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// A time in milliseconds since 1970 as people read it, as 2026-11-29T12:00:00Z.
+pub(super) fn moment(milliseconds: i64) -> String {
+    let known = time::OffsetDateTime::from_unix_timestamp(milliseconds.div_euclid(1000)).ok();
+    known.and_then(|moment| moment.format(&Rfc3339).ok()).unwrap_or_else(|| "-".to_owned())
 }
 
 /// A result as JSON.

@@ -20,7 +20,7 @@ pub(super) struct Token {
 
 #[derive(Clone, Debug, Subcommand)]
 enum Task {
-    /// List your tokens, an admin all: id, scope, user, label, separated by tabs.
+    /// List your tokens, an admin all: id, scope, user, when it was made, when it ends, label, separated by tabs.
     List {
         /// Print JSON.
         #[arg(long)]
@@ -79,5 +79,7 @@ impl Token {
 
 fn line(token: &TokenView) -> String {
     let user = token.user.as_ref().map_or("-", UserName::as_str);
-    format!("{}\t{}\t{user}\t{}", token.id, token.scope.name(), token.label)
+    let created = terminal::moment(token.created);
+    let expires = token.expires.map_or_else(|| "-".to_owned(), terminal::moment);
+    format!("{}\t{}\t{user}\t{created}\t{expires}\t{}", token.id, token.scope.name(), token.label)
 }

@@ -119,6 +119,7 @@ async fn luminance(
         method: Some(picture.method.clone()),
         parameters,
         stop: StopRule { passes: Some(picture.passes_done), ..StopRule::default() },
+        cut: picture.cut,
         seed: picture.seed,
         ..JobSubmission::default()
     };

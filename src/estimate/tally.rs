@@ -44,6 +44,14 @@ pub struct Tally {
     pub scalars: Vec<f64>,
 }
 
+impl Tally {
+    /// Bytes of memory that its numbers take.
+    pub fn bytes(&self) -> u64 {
+        let planes: usize = self.planes.iter().map(|plane| size_of_val(plane.as_slice())).sum();
+        (planes + size_of_val(self.scalars.as_slice())) as u64
+    }
+}
+
 /// A tally that does not fit its shard or its declaration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TallyError {

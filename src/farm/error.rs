@@ -72,6 +72,9 @@ pub enum FarmError {
         /// What the user can do.
         remedy: String,
     },
+    /// The job is not any more what the user means to change.
+    #[error("job {0} was changed since; get it again, and then change it")]
+    ChangedSince(JobId),
     /// What was asked for cannot be stored or read now.
     #[error("{problem}; try again when the store works")]
     Store {

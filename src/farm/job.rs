@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::access::user::UserName;
+use super::cut::Cut;
 use super::ids::JobId;
 
 /// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
@@ -96,6 +97,9 @@ pub struct JobRequest {
     /// When to stop.
     #[serde(default)]
     pub stop: StopRule,
+    /// How finely it is cut.
+    #[serde(default, skip_serializing_if = "Cut::is_empty")]
+    pub cut: Cut,
     /// Seed of all random numbers; 0 by default.
     #[serde(default)]
     pub seed: u64,
@@ -118,6 +122,7 @@ impl JobRequest {
             method: None,
             parameters: serde_json::Map::new(),
             stop: StopRule::default(),
+            cut: Cut::default(),
             seed: 0,
             name: None,
             tags: Vec::new(),
@@ -299,6 +304,9 @@ pub struct JobStatus {
     pub parameters: serde_json::Map<String, serde_json::Value>,
     /// Its stop rule.
     pub stop: StopRule,
+    /// How finely it is cut, as far as that was asked for.
+    #[serde(default, skip_serializing_if = "Cut::is_empty")]
+    pub cut: Cut,
     /// Its seed.
     pub seed: u64,
     /// Picture width, pixels.

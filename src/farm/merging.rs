@@ -10,7 +10,7 @@ use super::job::StopRule;
 use super::rules::plan::Plan;
 use super::rules::terms::{MeasuredError, MergedTotals};
 use super::snapshot::{FieldKey, Snapshot, SnapshotField};
-use super::wire::{messages, radius, result};
+use super::wire::radius;
 use crate::estimate::{Declaration, Estimate, EstimateError, RadiusField, Tally};
 use crate::render::Pilot;
 
@@ -35,8 +35,8 @@ pub struct Merging {
     pub estimate: Estimate,
     /// Shards merged.
     merged: u64,
-    /// Early tallies, as they came: compressed, and checked.
-    waiting: BTreeMap<u64, messages::Tally>,
+    /// Early tallies.
+    waiting: BTreeMap<u64, Tally>,
     fields: BTreeMap<FieldKey, Arc<Field>>,
     error: Option<MeasuredError>,
     /// The error bound at which the job is done.
@@ -53,14 +53,12 @@ const LOOK_SHARE: u64 = 8;
 impl Merging {
     /// Starts from what the pilot found.
     pub fn new(
-        width: u32,
-        height: u32,
+        plan: Plan,
         pilot: &Pilot,
-        stop: &StopRule,
+        wanted_error: Option<f64>,
         declaration: Arc<Declaration>,
     ) -> Result<Self, EstimateError> {
-        let plan = Plan::new(width, height, pilot.cost_per_pass(), stop.passes, declaration.radius_rule);
-        let estimate = Estimate::new(width, height, &plan.regions, declaration, pilot.radius_squared())?;
+        let estimate = Estimate::new(plan.width, plan.height, &plan.regions, declaration, pilot.radius_squared())?;
         let mut merging = Self {
             plan,
             estimate,
@@ -68,7 +66,7 @@ impl Merging {
             waiting: BTreeMap::new(),
             fields: BTreeMap::new(),
             error: None,
-            wanted_error: stop.error,
+            wanted_error,
             next_look: 2,
             resume: None,
         };
@@ -132,23 +130,15 @@ impl Merging {
         }
     }
 
-    /// Takes the tally of shard `index`, then merges all that is in turn. `message` is the same tally as it came.
+    /// Takes the tally of shard `index`, then merges all that is in turn.
     ///
     /// # Errors
     /// A fault of the coordinator, since tallies and order were checked before: the job cannot go on.
-    pub fn add(&mut self, index: u64, tally: &Tally, message: messages::Tally) -> Result<(), String> {
-        if index != self.merged {
-            self.waiting.insert(index, message);
-            return Ok(());
-        }
-        self.merge(tally)?;
+    pub fn add(&mut self, index: u64, tally: Tally) -> Result<(), String> {
+        self.waiting.insert(index, tally);
         while !self.is_good_enough()
-            && let Some(message) = self.waiting.remove(&self.merged)
+            && let Some(tally) = self.waiting.remove(&self.merged)
         {
-            let planned = self.plan.shard(self.merged).ok_or("a shard past the end of the job")?;
-            let declaration = self.estimate.declaration();
-            let tally = result::decode_tally(&message, planned.shard, self.plan.width, declaration);
-            let tally = tally.map_err(|problem| problem.to_string())?;
             self.merge(&tally)?;
         }
         Ok(())
@@ -216,6 +206,7 @@ impl Merging {
             non_finite: self.estimate.non_finite(),
             error: self.error,
             good_enough: self.is_good_enough(),
+            early_bytes: self.waiting.values().map(Tally::bytes).sum(),
         }
     }
 }

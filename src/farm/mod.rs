@@ -40,6 +40,7 @@
 
 pub mod access;
 pub mod coordinator;
+pub mod cut;
 pub mod dial;
 pub mod error;
 mod events;
@@ -48,6 +49,7 @@ pub mod ids;
 pub mod job;
 pub mod local_farm;
 mod locks;
+pub mod login;
 pub mod merging;
 pub mod method_choice;
 pub mod prepared_scenes;
@@ -55,6 +57,7 @@ pub mod rules;
 pub mod snapshot;
 pub mod standby;
 pub mod store;
+mod text;
 pub mod tls;
 pub mod webhooks;
 pub mod wire;

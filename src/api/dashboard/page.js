@@ -18,6 +18,14 @@ function showLogin() {
   element('user').hidden = element('job').hidden = true;
   element('jobs').replaceChildren();
   element('workers').textContent = element('status').textContent = '';
+  showProvider();
+}
+
+// Where people may log in with an account that they have elsewhere.
+async function showProvider() {
+  const { provider } = await (await fetch('/v1/session')).json();
+  element('provider').hidden = !provider;
+  if (provider) element('provider').querySelector('span').textContent = new URL(provider).host;
 }
 
 async function logIn(event) {

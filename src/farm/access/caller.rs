@@ -40,6 +40,12 @@ pub enum Denied {
         /// What it would take.
         needed: Scope,
     },
+    /// Somebody logged in at the provider whom nobody knows here.
+    #[error("nobody here is called \"{name}\"")]
+    UnknownAccount {
+        /// As the provider calls them.
+        name: String,
+    },
     /// It is somebody else's.
     #[error("{what} belongs to {}", .owner.as_ref().map_or("nobody", UserName::as_str))]
     NotYours {
@@ -59,6 +65,7 @@ impl Denied {
             }
             Self::UnknownToken => "ask an admin of the farm for a token",
             Self::Scope { .. } => "ask an admin of the farm for such a token",
+            Self::UnknownAccount { .. } => "ask an admin of the farm to add a user of this name",
             Self::NotYours { .. } => "ask its owner or an admin of the farm",
         }
     }
@@ -70,6 +77,15 @@ impl Caller {
         match self {
             Self::User { name, .. } => Some(name),
             Self::Anyone | Self::Joining { .. } => None,
+        }
+    }
+
+    /// Who the caller is, in words.
+    pub fn shown(&self) -> &str {
+        match self {
+            Self::User { name, .. } => name.as_str(),
+            Self::Anyone => "anyone",
+            Self::Joining { .. } => "a worker",
         }
     }
 

@@ -39,9 +39,17 @@ impl Shared {
         .await
     }
 
-    pub(super) async fn change_job(self: &Arc<Self>, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
+    pub(super) async fn change_job(
+        self: &Arc<Self>,
+        id: JobId,
+        changes: JobChanges,
+        is_meant: impl FnOnce(&JobStatus) -> bool,
+    ) -> Result<JobStatus, FarmError> {
         let in_turn = self.job_in_turn(id).await?;
         let job = &in_turn.job;
+        if !is_meant(&self.lock().status(job, &self.clock)) {
+            return Err(FarmError::ChangedSince(id));
+        }
         {
             let mut facts = lock(&job.facts);
             let mut request = facts.request.clone();

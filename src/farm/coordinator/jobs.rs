@@ -143,6 +143,7 @@ impl Shared {
     fn agree(&self, request: &JobRequest, scene: &SceneRecord) -> Result<(JobDescription, Terms), FarmError> {
         let (width, height) = (scene.summary.width, scene.summary.height);
         let pixels = u64::from(width) * u64::from(height);
+        request::check_cut(request.cut)?;
         let chooses_method = request::asks_for_auto(request);
         let mut notices = scene.summary.notices.clone();
         let (method, stop) = if chooses_method {

@@ -32,6 +32,7 @@ impl Shared {
         let rules = RulesOptions {
             lease_duration: options.lease_duration,
             memory_budget: options.limits.job_memory,
+            early_budget: options.limits.early_memory,
             check_share: CheckShare::new(options.check_share),
             // Ids that rise from one run to the next: a worker of an earlier run is not taken for one of this.
             first_id: (store.epoch() << EPOCH_SHIFT).max(clock.unix(Duration::ZERO).as_micros() as u64),

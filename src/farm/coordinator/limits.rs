@@ -53,6 +53,9 @@ pub struct Limits {
     pub message_bytes: usize,
     /// Bytes of memory for the states of all running jobs together. Jobs that do not fit wait; a job that never will is refused.
     pub job_memory: u64,
+    /// Bytes of tallies that came before their turn, of all jobs together: while there are more, a job's next shard is leased only when nothing
+    /// of the job is under way.
+    pub early_memory: u64,
     /// Seconds after which a refused request may be repeated.
     pub retry_after: u64,
 }
@@ -100,6 +103,7 @@ impl Default for Limits {
             result_memory: GIB,
             message_bytes: 1 << 20,
             job_memory: total_memory().map_or(8 * GIB, |total| total / 2),
+            early_memory: total_memory().map_or(2 * GIB, |total| total / 8),
             retry_after: 5,
         }
     }

@@ -8,7 +8,7 @@ use crate::farm::access::register::Register;
 use crate::farm::access::scope::{Role, Scope};
 use crate::farm::access::secret::Secret;
 use crate::farm::access::token::Token;
-use crate::farm::access::user::{User, UserName};
+use crate::farm::access::user::{BadUserName, User, UserName};
 use crate::farm::error::FarmError;
 use crate::farm::ids::{JobId, WorkerId};
 use crate::farm::locks::lock;
@@ -55,18 +55,24 @@ impl CoordinatorHandle {
     }
 
     /// Adds a user with a first token.
-    pub async fn add_user(&self, name: UserName, role: Role) -> Result<(User, NewToken), FarmError> {
-        self.shared.add_user(name, role).await
+    pub async fn add_user(&self, caller: &Caller, name: UserName, role: Role) -> Result<(User, NewToken), FarmError> {
+        let added = self.shared.add_user(name, role).await?;
+        self.shared.record_deed(caller, &format!("user {} was added as {}", added.0.name, role.name()));
+        Ok(added)
     }
 
     /// Gives a user another role. Their tokens allow no more than that from now on.
-    pub async fn change_role(&self, name: &UserName, role: Role) -> Result<User, FarmError> {
-        self.shared.change_role(name, role).await
+    pub async fn change_role(&self, caller: &Caller, name: &UserName, role: Role) -> Result<User, FarmError> {
+        let user = self.shared.change_role(name, role).await?;
+        self.shared.record_deed(caller, &format!("user {name} was made {}", role.name()));
+        Ok(user)
     }
 
     /// Deletes a user with all tokens. Their jobs stay.
-    pub async fn delete_user(&self, name: &UserName) -> Result<(), FarmError> {
-        self.shared.delete_user(name).await
+    pub async fn delete_user(&self, caller: &Caller, name: &UserName) -> Result<(), FarmError> {
+        self.shared.delete_user(name).await?;
+        self.shared.record_deed(caller, &format!("user {name} was deleted"));
+        Ok(())
     }
 }
 
@@ -154,6 +160,33 @@ impl Shared {
         register.put_token(new.token.clone());
         register.put_user(user.clone());
         Ok((user, new))
+    }
+
+    /// The user whom the provider of logins calls `name`; added where that is agreed.
+    pub(super) async fn user_of_provider(&self, name: &str) -> Result<User, FarmError> {
+        let called = name.to_lowercase();
+        let _turn = self.members.take().await?;
+        let (known, is_open, count) = {
+            let register = lock(&self.register);
+            let known = called.parse().ok().and_then(|name| register.user(&name).cloned());
+            (known, register.is_open(), register.users().count())
+        };
+        if let Some(user) = known {
+            return Ok(user);
+        }
+        if is_open {
+            let problem = "only users log in, and there are none".to_owned();
+            return Err(FarmError::BadRequest { problem, remedy: "go on without".to_owned() });
+        }
+        let new_users = self.options.login.as_ref().and_then(|provider| provider.options().new_users);
+        let unknown = |_| Denied::UnknownAccount { name: called.clone() };
+        let name: UserName = called.parse().map_err(unknown)?;
+        let role = new_users.filter(|_| count < self.options.limits.users).ok_or(BadUserName).map_err(unknown)?;
+        let user = User { name, role, created: self.clock.unix_milliseconds() };
+        self.store.put_user(&user).await?;
+        lock(&self.register).put_user(user.clone());
+        self.record_deed_of("the provider of logins", &format!("user {} was added as {}", user.name, role.name()));
+        Ok(user)
     }
 
     async fn change_role(&self, name: &UserName, role: Role) -> Result<User, FarmError> {

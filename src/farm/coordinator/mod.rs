@@ -237,9 +237,14 @@ impl CoordinatorHandle {
         self.shared.control(id, Event::JobResumed { job: id }).await
     }
 
-    /// Changes name, tags or priority of a job.
-    pub async fn change(&self, id: JobId, changes: JobChanges) -> Result<JobStatus, FarmError> {
-        self.shared.change_job(id, changes).await
+    /// Changes name, tags or priority of a job, if it is as the user means it, `is_meant`.
+    pub async fn change(
+        &self,
+        id: JobId,
+        changes: JobChanges,
+        is_meant: impl FnOnce(&JobStatus) -> bool,
+    ) -> Result<JobStatus, FarmError> {
+        self.shared.change_job(id, changes, is_meant).await
     }
 
     /// Lets an ended job go on to a later end, from its stored state to the bits of the longer job.

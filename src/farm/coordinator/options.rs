@@ -1,9 +1,11 @@
 //! How a coordinator runs.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::limits::{FaultHooks, Limits};
 use crate::farm::access::secret::Secret;
+use crate::farm::login::provider::Provider;
 use crate::farm::prepared_scenes::PreparedScenes;
 
 /// How a coordinator runs.
@@ -25,6 +27,8 @@ pub struct CoordinatorOptions {
     pub admin_token: Option<Secret>,
     /// A token by which workers join as long as it runs.
     pub worker_token: Option<Secret>,
+    /// At whose page people may log in to the page.
+    pub login: Option<Arc<Provider>>,
     /// Whether its connections are encrypted, so that browsers keep its cookies from others.
     pub is_encrypted: bool,
     /// The prepared scenes of this process.
@@ -44,6 +48,7 @@ impl Default for CoordinatorOptions {
             host_names: Vec::new(),
             admin_token: None,
             worker_token: None,
+            login: None,
             is_encrypted: false,
             scenes: PreparedScenes::new(0),
             faults: FaultHooks::default(),

@@ -1,9 +1,11 @@
 //! From what a user asks for to a job that workers can trace: which method, which parameters, when to stop.
 
 use super::limits::Limits;
+use crate::farm::cut::Cut;
 use crate::farm::error::FarmError;
 use crate::farm::job::{JobRequest, StopRule};
 use crate::farm::method_choice::{AUTO, DEFAULT_METHOD, choice, without_passed_over};
+use crate::farm::text::is_hidden;
 use crate::method::{self, CheckedMethod, MethodError, SceneTraits};
 use crate::scene::Integrator;
 
@@ -82,11 +84,26 @@ pub fn check_stop(stop: StopRule, limits: &Limits) -> Result<(), FarmError> {
     Ok(())
 }
 
+/// Checks the numbers of a cut.
+pub fn check_cut(cut: Cut) -> Result<(), FarmError> {
+    if let Some(passes) = cut.passes_per_shard.filter(|passes| !(1..=Cut::MOST_PASSES).contains(passes)) {
+        let problem = format!("cut.passes_per_shard is {passes}");
+        return Err(FarmError::BadRequest { problem, remedy: format!("give 1 to {} passes", Cut::MOST_PASSES) });
+    }
+    let is_right = |shards: u32| (2..=Cut::MOST_SHARDS).contains(&shards) && shards.is_multiple_of(2);
+    if let Some(shards) = cut.shards_per_epoch.filter(|shards| !is_right(*shards)) {
+        let problem = format!("cut.shards_per_epoch is {shards}");
+        let remedy = format!("give an even number from 2 to {}", Cut::MOST_SHARDS);
+        return Err(FarmError::BadRequest { problem, remedy });
+    }
+    Ok(())
+}
+
 /// Checks name and tags.
 pub fn check_labels(request: &JobRequest, limits: &Limits) -> Result<(), FarmError> {
     let Limits { name_bytes, tags, tag_bytes, .. } = *limits;
     let labels = request.name.iter().chain(&request.tags);
-    if labels.flat_map(|label| label.chars()).any(char::is_control) {
+    if labels.flat_map(|label| label.chars()).any(is_hidden) {
         let problem = "name or tags hold control characters".to_owned();
         return Err(FarmError::BadRequest { problem, remedy: "leave them out".to_owned() });
     }

@@ -10,8 +10,8 @@ use crate::farm::locks::{lock, panic_message};
 use crate::farm::merging::Merging;
 use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
+use crate::farm::rules::plan::Plan;
 use crate::farm::rules::{Answer, Event, Outcome};
-use crate::farm::wire::messages;
 use crate::method;
 use crate::render::Pilot;
 use crate::render::first_surface::FirstSurface;
@@ -27,8 +27,8 @@ pub(in crate::farm) enum Payload {
     },
     /// Of [`Work::Pilot`].
     Pilot(Pilot),
-    /// Of [`Work::Shard`]: decoded, and as it came.
-    Tally(Tally, messages::Tally),
+    /// Of [`Work::Shard`].
+    Tally(Tally),
     /// Of [`Work::FirstSurfaces`].
     FirstSurfaces(Vec<FirstSurface>),
 }
@@ -125,13 +125,13 @@ impl Shared {
                 lock(&job.facts).last_snapshot = Some(self.clock.now());
                 Ok(())
             }
-            (Payload::Tally(tally, message), Work::Shard(index, _)) => {
+            (Payload::Tally(tally), Work::Shard(index, _)) => {
                 let merging = merging.as_mut().ok_or("a tally came before the pilot")?;
                 if let Some(hook) = &self.options.faults.before_merge {
                     hook(job.id, index);
                 }
                 let before = merging.totals();
-                merging.add(index, &tally, message)?;
+                merging.add(index, tally)?;
                 let totals = merging.totals();
                 let photons = totals.photons_emitted.saturating_sub(before.photons_emitted);
                 self.counters.merged(photons, totals.shards.saturating_sub(before.shards));
@@ -143,15 +143,16 @@ impl Shared {
     }
 
     fn begin(&self, job: &JobRecord, pilot: &Pilot) -> Result<Merging, String> {
-        let (description, stop) = {
+        let (description, stop, cut) = {
             let facts = lock(&job.facts);
-            (facts.description.clone(), facts.terms.stop)
+            (facts.description.clone(), facts.terms.stop, facts.request.cut)
         };
         let method = description.method.ok_or("a pilot came before the method was chosen")?;
         let declaration = method::declaration(&method).map_err(|problem| problem.to_string())?;
         let (width, height) = (description.width, description.height);
-        let merging = Merging::new(width, height, pilot, &stop, declaration).map_err(|problem| problem.to_string())?;
-        let plan = merging.plan.clone();
+        let plan = Plan::new(width, height, pilot.cost_per_pass(), stop.passes, declaration.radius_rule).with_cut(cut);
+        let merging =
+            Merging::new(plan.clone(), pilot, stop.error, declaration).map_err(|problem| problem.to_string())?;
         tracing::info!(job = %job.id, cost_per_pass = pilot.cost_per_pass(), ?plan, "pilot done");
         self.apply(Event::PilotDone { job: job.id, plan });
         Ok(merging)

@@ -18,6 +18,7 @@ use super::scene_record::SceneRecord;
 use super::seen_first::SeenFirst;
 use super::turn::Turn;
 use super::viewed::Viewed;
+use crate::farm::access::caller::Caller;
 use crate::farm::access::register::Register;
 use crate::farm::access::secret::NoRandomness;
 use crate::farm::access::user::UserName;
@@ -281,6 +282,19 @@ impl Shared {
             facts.ended = Some(self.clock.unix_milliseconds());
         }
         state.rules.apply(self.clock.now(), Event::JobForgotten { job: id });
+    }
+
+    /// Records what somebody did to users and tokens.
+    pub(super) fn record_deed(&self, caller: &Caller, deed: &str) {
+        self.record_deed_of(caller.shown(), deed);
+    }
+
+    /// The same of somebody who is no user.
+    pub(super) fn record_deed_of(&self, who: &str, deed: &str) {
+        let text = format!("{deed} by {who}");
+        tracing::info!(target: EVENTS, "{text}");
+        let time = self.clock.unix_milliseconds();
+        self.leave_to_keeper(Chore::Journal(vec![JournalRow { sequence: 0, time, job: None, worker: None, text }]));
     }
 
     /// What people want to read in a log.

@@ -109,6 +109,7 @@ impl JobFacts {
             method,
             parameters,
             stop: terms.stop,
+            cut: request.cut,
             seed: description.seed,
             width: description.width,
             height: description.height,

@@ -9,11 +9,15 @@ use crate::farm::access::caller::{Caller, Denied};
 use crate::farm::access::scope::Scope;
 use crate::farm::access::secret::{Secret, SecretHash};
 use crate::farm::access::token::{Token, TokenView};
-use crate::farm::access::user::UserName;
+use crate::farm::access::user::{User, UserName};
 use crate::farm::error::FarmError;
 use crate::farm::locks::lock;
+use crate::farm::login::provider::Provider;
+use crate::farm::text::is_hidden;
 
 const DAY: i64 = 86_400_000;
+/// What tokens are for that pages got by a login at the provider.
+const PROVIDER_LABEL: &str = "page, by the provider";
 
 /// A token to be made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -59,12 +63,29 @@ impl CoordinatorHandle {
 
     /// Makes a token that a caller asks for. It allows no more than the caller's own.
     pub async fn issue_token(&self, caller: &Caller, wanted: TokenRequest) -> Result<NewToken, FarmError> {
-        self.shared.issue_token(caller, wanted).await
+        let new = self.shared.issue_token(caller, wanted).await?;
+        self.shared.record_deed(caller, &format!("{} was made", shown(&new.token)));
+        Ok(new)
     }
 
     /// Makes a token for a page on which the caller logs in. It ends with the caller's own.
     pub async fn log_in(&self, caller: &Caller, days: u16) -> Result<NewToken, FarmError> {
-        self.shared.log_in(caller, days).await
+        let new = self.shared.log_in(caller, days).await?;
+        self.shared.record_deed(caller, &format!("{} was made for a page", shown(&new.token)));
+        Ok(new)
+    }
+
+    /// At whose page people may log in.
+    pub fn login_provider(&self) -> Option<&Provider> {
+        self.shared.options.login.as_deref()
+    }
+
+    /// Makes a token for a page on which somebody logged in at the provider, who calls them `name`.
+    pub async fn log_in_as(&self, name: &str, days: u16) -> Result<NewToken, FarmError> {
+        let user = self.shared.user_of_provider(name).await?;
+        let new = self.shared.token_for_page(user, days).await?;
+        self.shared.record_deed_of("the provider of logins", &format!("{} was made for a page", shown(&new.token)));
+        Ok(new)
     }
 
     /// Ends the session of a caller who logged in to a page.
@@ -74,8 +95,16 @@ impl CoordinatorHandle {
 
     /// Revokes a token that the caller may see, with those that came from it.
     pub async fn revoke_token(&self, caller: &Caller, id: &str) -> Result<(), FarmError> {
-        self.shared.revoke_token(caller, id).await
+        let token = self.shared.revoke_token(caller, id).await?;
+        self.shared.record_deed(caller, &format!("{} was revoked", shown(&token)));
+        Ok(())
     }
+}
+
+/// A token in words.
+fn shown(token: &Token) -> String {
+    let whose = token.user.as_ref().map_or_else(|| "nobody".to_owned(), ToString::to_string);
+    format!("token {} ({}) of {whose}", token.hash.id(), token.scope.name())
 }
 
 fn may_see(caller: &Caller, token: &Token) -> bool {
@@ -127,7 +156,7 @@ impl Shared {
 
     fn check_label(&self, label: &str, days: Option<u16>) -> Result<(), FarmError> {
         let longest = self.options.limits.name_bytes;
-        if label.len() > longest || label.chars().any(char::is_control) {
+        if label.len() > longest || label.chars().any(is_hidden) {
             let problem = "the label is too long or holds control characters".to_owned();
             return Err(FarmError::BadRequest { problem, remedy: format!("give at most {longest} plain bytes") });
         }
@@ -157,12 +186,18 @@ impl Shared {
         Ok(NewToken { secret, token })
     }
 
+    async fn token_for_page(&self, user: User, days: u16) -> Result<NewToken, FarmError> {
+        let expires = Some(self.clock.unix_milliseconds() + i64::from(days) * DAY);
+        let (scope, label) = (user.role.scope(), PROVIDER_LABEL.to_owned());
+        self.store_token(Wanted { user: Some(user.name), label, scope, expires }, None).await
+    }
+
     async fn log_out(&self, caller: &Caller) -> Result<(), FarmError> {
         let Caller::User { token, .. } = caller else { return Ok(()) };
         let _turn = self.members.take().await?;
         let known = lock(&self.register).valid(token, self.clock.unix_milliseconds()).cloned();
         // Only what came from logging in ends with logging out.
-        if known.is_some_and(|known| known.parent.is_some()) {
+        if known.is_some_and(|known| known.parent.is_some() || known.label == PROVIDER_LABEL) {
             // One that is not stored is not found there, which is no error.
             self.store.delete_token(token).await?;
             lock(&self.register).remove_token(token);
@@ -188,16 +223,16 @@ impl Shared {
         Ok(NewToken { secret, token })
     }
 
-    async fn revoke_token(&self, caller: &Caller, id: &str) -> Result<(), FarmError> {
+    async fn revoke_token(&self, caller: &Caller, id: &str) -> Result<Token, FarmError> {
         let _turn = self.members.take().await?;
         let found = {
             let register = lock(&self.register);
-            register.tokens().find(|token| token.hash.id() == id && may_see(caller, token)).map(|token| token.hash)
+            register.tokens().find(|token| token.hash.id() == id && may_see(caller, token)).cloned()
         };
-        let hash = found.ok_or_else(|| FarmError::UnknownMember(format!("token \"{id}\"")))?;
-        self.store.delete_token(&hash).await?;
-        lock(&self.register).remove_token(&hash);
-        Ok(())
+        let token = found.ok_or_else(|| FarmError::UnknownMember(format!("token \"{id}\"")))?;
+        self.store.delete_token(&token.hash).await?;
+        lock(&self.register).remove_token(&token.hash);
+        Ok(token)
     }
 }
 

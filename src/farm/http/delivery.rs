@@ -12,6 +12,7 @@ use crate::farm::coordinator::{Delivered, Delivery, JobRecord, Payload, Shared};
 use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Outcome};
+use crate::farm::text::is_hidden;
 use crate::farm::wire::lease::JobDescription;
 use crate::farm::wire::messages::result_request::Outcome as Sent;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
@@ -98,7 +99,7 @@ fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Sent>) -> Result<Payl
         (Work::Shard(_, planned) | Work::Check(_, planned), Sent::Tally(message)) => {
             let declaration = declaration(&description)?;
             let tally = result::decode_checked_tally(&message, planned.shard, width, &declaration)?;
-            Ok(Payload::Tally(tally, message))
+            Ok(Payload::Tally(tally))
         }
         (Work::FirstSurfaces, Sent::FirstSurfaces(message)) => {
             Ok(Payload::FirstSurfaces(first_surfaces::decode(&message, pixels)?))
@@ -138,5 +139,5 @@ fn fenced() -> Problem {
 /// A worker's message is shown to users: its first thousand characters are enough.
 fn shorten(problem: &str) -> String {
     // Nothing in it may move a terminal's cursor or begin a line of a log.
-    problem.chars().take(1000).map(|letter| if letter.is_control() { ' ' } else { letter }).collect()
+    problem.chars().take(1000).map(|letter| if is_hidden(letter) { ' ' } else { letter }).collect()
 }

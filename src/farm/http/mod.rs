@@ -42,6 +42,7 @@ use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
 use crate::farm::locks::lock;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Event};
+use crate::farm::text::is_hidden;
 use crate::farm::wire::lease::{LeasedWork, ShardTerms, WorkerLease};
 use crate::farm::wire::messages::{
     HeartbeatRequest, HeartbeatResponse, LeaseResponse, RegisterRequest, RegisterResponse, ReleaseRequest,
@@ -102,7 +103,7 @@ async fn register(
         return Err(Problem::new(StatusCode::CONFLICT, text));
     }
     let Limits { name_bytes: longest, worker_threads: most, .. } = *coordinator.limits();
-    let is_name = (1..=longest).contains(&request.name.len()) && !request.name.chars().any(char::is_control);
+    let is_name = (1..=longest).contains(&request.name.len()) && !request.name.chars().any(is_hidden);
     if !is_name || !(1..=most).contains(&request.threads) {
         let text =
             format!("a worker has a name of 1 to {longest} bytes without control characters, and 1 to {most} threads");

@@ -27,7 +27,7 @@ impl Problem {
     pub(super) fn denied(denied: &Denied) -> Self {
         let status = match denied {
             Denied::NoToken | Denied::UnknownToken => StatusCode::UNAUTHORIZED,
-            Denied::Scope { .. } | Denied::NotYours { .. } => StatusCode::FORBIDDEN,
+            Denied::Scope { .. } | Denied::UnknownAccount { .. } | Denied::NotYours { .. } => StatusCode::FORBIDDEN,
         };
         Self::new(status, format!("{denied}; give this worker a token that was made for workers with --token-file"))
     }

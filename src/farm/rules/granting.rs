@@ -6,7 +6,11 @@
 //! number of grants, whatever else runs.
 //!
 //! **Memory.** A job's state exists from its pilot on. A job whose state does not fit beside the running ones' waits, and so do jobs
-//! after it: the large one's turn comes.
+//! after it: the large one's turn comes. Tallies that came before their turn take memory, too: while those of all jobs take more than they may, a
+//! job's next shard is issued only once everything before it is merged.
+//!
+//! **Staying.** A worker keeps the scenes, fields and renderers of a few jobs. Where more jobs run, it stays with the job of its last shard until
+//! that one is two shards ahead of the job whose turn it is.
 //!
 //! **Prefetching.** A worker asks for its next shard while it traces one. Where all that is left of the running jobs are a few last
 //! shards, these are kept for workers that hold nothing.
@@ -30,6 +34,10 @@ const OVERDUE_FOR_BUSY: u32 = 6;
 const OVERDUE_LEAST: Duration = Duration::from_millis(500);
 /// What a job that could not take its share may catch up at most, nominal microseconds at the default priority.
 const CREDIT: u64 = 1_000_000;
+/// Jobs that a worker's caches hold: where no more run, nothing is won by staying with one.
+const CACHED_JOBS: usize = 2;
+/// Shards that the job with which a worker stays may be ahead.
+const SHARDS_AHEAD: u64 = 2;
 /// Passes that a pilot takes as long as.
 const PILOT_PASSES: u64 = 3;
 
@@ -51,11 +59,25 @@ impl Admission {
     }
 }
 
+/// Who asks for work, and what that depends on.
+#[derive(Clone, Copy)]
+struct Asker {
+    worker: WorkerId,
+    /// Leases that the worker holds.
+    held: usize,
+    /// The job to stay with.
+    stays_with: Option<JobId>,
+    /// Whether there is room for tallies that come before their turn.
+    may_come_early: bool,
+}
+
 /// Work that a worker may be given.
 struct Candidate {
     job: JobId,
     work: Work,
     served: u64,
+    /// What the job was served, or less for a job to stay with: the smallest is next.
+    rank: u64,
     /// One of the last shards of its job.
     is_scarce: bool,
 }
@@ -77,11 +99,15 @@ impl Rules {
         if let Some(job) = self.next_errand() {
             return self.issue(now, worker, job, Work::FirstSurfaces, Fencing::default());
         }
-        let Some(Candidate { job, work, served, .. }) = self.choose(now, worker, held) else { return Answer::NoWork };
-        self.served = self.served.max(served);
+        let asker = self.asker(worker, held);
+        let Some((turn, Candidate { job, work, served, .. })) = self.choose(now, asker) else { return Answer::NoWork };
+        self.served = self.served.max(turn);
         let Some(granted) = self.jobs.get_mut(&job) else { return Answer::NoWork };
         granted.served = served + share(granted.cost(&work), granted.terms.priority);
         let fencing = granted.issue(&work, now);
+        if let Some(record) = self.roster.get_mut(worker) {
+            record.last_job = Some(job);
+        }
         self.issue(now, worker, job, work, fencing)
     }
 
@@ -98,22 +124,31 @@ impl Rules {
         self.errands.keys().copied().find(is_free)
     }
 
-    /// The work of the job whose turn it is.
-    fn choose(&self, now: Duration, worker: WorkerId, held: usize) -> Option<Candidate> {
+    fn asker(&self, worker: WorkerId, held: usize) -> Asker {
+        let mut running = self.jobs.values().filter(|job| job.takes_workers());
+        let last_job = self.roster.get(worker).and_then(|record| record.last_job);
+        let stays_with = last_job.filter(|_| running.nth(CACHED_JOBS).is_some());
+        let early = self.jobs.values().map(|job| job.totals.early_bytes).fold(0, u64::saturating_add);
+        Asker { worker, held, stays_with, may_come_early: early < self.options.early_budget }
+    }
+
+    /// The work of the job whose turn it is, or of the one to stay with; before it, what the job whose turn it is was served.
+    fn choose(&self, now: Duration, asker: Asker) -> Option<(u64, Candidate)> {
         let mut admission = self.admission();
         let mut best: Option<Candidate> = None;
-        let mut all_scarce = true;
+        let (mut all_scarce, mut turn) = (true, u64::MAX);
         for (id, job) in self.jobs.iter().filter(|(_, job)| job.takes_workers()) {
             if !admission.admits(job) {
                 continue;
             }
-            let Some(candidate) = self.candidate(now, worker, held, *id, job) else { continue };
+            let Some(candidate) = self.candidate(now, asker, *id, job) else { continue };
             all_scarce &= candidate.is_scarce;
-            if best.as_ref().is_none_or(|best| candidate.served < best.served) {
+            turn = turn.min(candidate.served);
+            if best.as_ref().is_none_or(|best| candidate.rank < best.rank) {
                 best = Some(candidate);
             }
         }
-        best.filter(|_| held == 0 || !all_scarce)
+        best.filter(|_| asker.held == 0 || !all_scarce).map(|best| (turn, best))
     }
 
     /// What is left beside the jobs that run. All is free when nothing runs: a job that needs more than all would else wait for ever.
@@ -137,7 +172,8 @@ impl Rules {
         waiting.map(|(other, job)| (*other, admission.admits(job))).last() == Some((id, false))
     }
 
-    fn candidate(&self, now: Duration, worker: WorkerId, held: usize, id: JobId, job: &Job) -> Option<Candidate> {
+    fn candidate(&self, now: Duration, asker: Asker, id: JobId, job: &Job) -> Option<Candidate> {
+        let Asker { worker, held, .. } = asker;
         if self.roster.get(worker).is_some_and(|record| record.is_set_aside_for(id, now)) {
             return None;
         }
@@ -145,10 +181,13 @@ impl Rules {
         let name = self.roster.get(worker).map_or("", |record| &record.name);
         let check = job.checks.next_for(name, is_held).and_then(|shard| job.work(WorkIndex::Check(shard)));
         let has_others = || self.roster.has_other(worker, id, now, self.options.lease_duration);
-        let fresh = || job.next_work(worker, has_others);
+        let fresh = || job.next_work(worker, has_others, asker.may_come_early);
         let work = check.or_else(fresh).or_else(|| self.overdue_work(now, worker, held, id, job))?;
         let is_scarce = job.unissued() <= self.roster.count() as u64;
-        Some(Candidate { job: id, work, served: job.served.max(self.served.saturating_sub(CREDIT)), is_scarce })
+        let served = job.served.max(self.served.saturating_sub(CREDIT));
+        let lead =
+            if asker.stays_with == Some(id) { SHARDS_AHEAD * share(job.cost(&work), job.terms.priority) } else { 0 };
+        Some(Candidate { job: id, work, served, rank: served.saturating_sub(lead), is_scarce })
     }
 
     /// Work that another worker holds for too long; whoever delivers first wins.

@@ -122,8 +122,8 @@ impl Job {
     }
 
     /// The next work to issue: what came back first, then what was never issued and is allowed now. Work that `worker`
-    /// failed at is left to others if there are any (`has_others`).
-    pub fn next_work(&self, worker: WorkerId, has_others: impl Fn() -> bool) -> Option<Work> {
+    /// failed at is left to others if there are any (`has_others`). Where no tally `may_come_early`, the next shard waits for all before it.
+    pub fn next_work(&self, worker: WorkerId, has_others: impl Fn() -> bool, may_come_early: bool) -> Option<Work> {
         let failed_here = |index: &WorkIndex| self.failures.get(index).is_some_and(|by| by.contains(&worker));
         if let Some(index) = self.returned.iter().find(|index| !(failed_here(index) && has_others())) {
             return self.work(*index);
@@ -131,6 +131,7 @@ impl Job {
         let plan = self.plan.as_ref()?;
         let allowed = self.next_index < self.limit
             && self.totals.shards >= plan.merged_before(self.next_index)
+            && (may_come_early || self.totals.shards == self.next_index)
             && !self.waits_for_check(plan);
         if allowed { self.work(WorkIndex::Shard(self.next_index)) } else { None }
     }
@@ -167,7 +168,7 @@ impl Job {
 
     /// Whether somebody could be given work now.
     pub fn has_work(&self) -> bool {
-        self.next_work(WorkerId::default(), || false).is_some()
+        self.next_work(WorkerId::default(), || false, true).is_some()
     }
 
     /// Pieces of work that workers could be given now.

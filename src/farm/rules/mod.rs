@@ -48,6 +48,8 @@ pub struct RulesOptions {
     pub lease_duration: Duration,
     /// Bytes that all running jobs' states may take together.
     pub memory_budget: u64,
+    /// Bytes of tallies that came before their turn, above which no job's shards are issued farther ahead.
+    pub early_budget: u64,
     /// The share of shards that two workers trace.
     pub check_share: CheckShare,
     /// The first number of workers and leases, so that those of an earlier coordinator are not mistaken for this one's.

@@ -14,10 +14,12 @@
 //! Shards start with one pass and double every epoch until one costs about a second. So a first picture comes soon,
 //! the radii, which shrink fastest in the first passes, are refreshed then too, and the cut does not depend on how many
 //! passes will be made: a job that is stopped after n passes has traced the shards of a job of n passes.
+//! A job may ask for another cut ([`Cut`]); it is stored with the job.
 
 use serde::{Deserialize, Serialize};
 
 use crate::estimate::{RadiusRule, Region, Shard, Twin};
+use crate::farm::cut::Cut;
 
 /// Pixels of a region; a worker holds one tally and one radius field of this size.
 const REGION_PIXELS: u64 = 4 << 20;
@@ -84,6 +86,15 @@ impl Plan {
             epoch_lag: EPOCH_LAG,
             passes: passes.unwrap_or(PASSES_LIMIT).clamp(1, PASSES_LIMIT),
             radius_rule,
+        }
+    }
+
+    /// The same with the cut that a user asked for.
+    pub fn with_cut(self, cut: Cut) -> Self {
+        Self {
+            passes_per_shard: cut.passes_per_shard.unwrap_or(self.passes_per_shard),
+            shards_per_epoch: cut.shards_per_epoch.unwrap_or(self.shards_per_epoch),
+            ..self
         }
     }
 

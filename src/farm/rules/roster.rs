@@ -63,6 +63,8 @@ pub struct WorkerRecord {
     pub shards_done: u64,
     /// Whether its silence was logged.
     pub is_silent: bool,
+    /// The job of the last shard that it was given.
+    pub last_job: Option<JobId>,
     farm: Trust,
     jobs: BTreeMap<JobId, Trust>,
 }
@@ -128,6 +130,7 @@ impl Roster {
             last_heard: now,
             shards_done: 0,
             is_silent: false,
+            last_job: None,
             farm: self.former.remove(name).unwrap_or_default(),
             jobs: BTreeMap::new(),
         };

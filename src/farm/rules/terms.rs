@@ -42,6 +42,8 @@ pub struct MergedTotals {
     pub error: Option<MeasuredError>,
     /// The error is as small as the stop rule asks for: nothing more will be merged.
     pub good_enough: bool,
+    /// Bytes of tallies that came before their turn and wait for it.
+    pub early_bytes: u64,
 }
 
 /// What was agreed on when a job was accepted.
