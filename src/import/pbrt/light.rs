@@ -159,7 +159,7 @@ pub(super) fn area(kind: &str, parameters: &Parameters, output: &mut Output<'_>)
             return Err(SceneError::new(&parameters.place, "the light has a color and an image", "remove one of them"));
         }
         Some(name) => {
-            let image = texture::plain_image(name, parameters, output)?;
+            let image = texture::plain_image(name, parameters, output)?.with_text("wrap_mode", "clamp");
             let mean = spectrum::luminance(mean_color(&image, output)?);
             let scale = parameters.float("scale")?.unwrap_or(1.0);
             let ink = Ink::Texture(output.define("texture", "light", image)?);
