@@ -153,7 +153,6 @@ impl<'d> Contents<'d> {
         // The shapes of a material have copies of one emitter, at one place.
         let emitters: BTreeMap<&str, &Draft> =
             self.emitters.iter().chain(on_shapes).map(|emitter| (emitter.location.path.as_str(), emitter)).collect();
-        let lights_nothing = |emitter: &Draft| emitter.parameters.iter().any(|parameter| parameter.name == "seen_only");
         !emitters.values().all(|emitter| lights_nothing(emitter) || lights::is_black(emitter, files))
     }
 
@@ -216,7 +215,7 @@ impl<'d> Contents<'d> {
             let key = (file.name.as_str(), material.id.as_str());
             if (uses[&key] - 1) * file.triangles <= MOST_COPIED {
                 self.shapes.push(placement.shape().with_place(*to_world));
-            } else if material.emitter.is_some() {
+            } else if material.emitter.as_ref().is_some_and(|emitter| !lights_nothing(emitter)) {
                 let explanation = "each is a mesh of its own, which takes time and memory: instances cannot emit";
                 let subject = "the instances of a mesh that shines";
                 output.notices.add(Notice::approximated(location, subject, explanation));
@@ -240,6 +239,11 @@ impl<'d> Contents<'d> {
         self.cameras.push(CameraNode { name, location: node.location(), camera, to_world });
         Ok(())
     }
+}
+
+/// Whether an emitter is only seen.
+fn lights_nothing(emitter: &Draft) -> bool {
+    emitter.parameters.iter().any(|parameter| parameter.name == "seen_only")
 }
 
 impl Placement {
