@@ -178,7 +178,9 @@ fn chi_square_direct_light_of_textured_lamps() {
             };
             sum += sample.weighted_radiance / SAMPLES as f32;
             let Some(hit) = scene.geometry.intersect(&Ray::new(point, sample.direction)) else { continue };
-            let Some((radiance, pdf)) = scene.lights.emitted(&scene.geometry, &point.into(), &hit) else { continue };
+            let Some((radiance, pdf)) = scene.lights.emitted(&scene.geometry, &point.into(), &hit, true) else {
+                continue;
+            };
             // Of a cube, light from a hidden face is sampled too.
             if (hit.distance / sample.distance - 1.0).abs() < 1e-3 {
                 assert!((pdf / sample.pdf_solid_angle - 1.0).abs() < 1e-2, "{shape}: {pdf}");
@@ -191,7 +193,9 @@ fn chi_square_direct_light_of_textured_lamps() {
         for u in (0..4 * SAMPLES).map(|sample| numbers(family + 10, sample)) {
             let direction = photonfarm::math::warp::sphere([u[0], u[1]]);
             let Some(hit) = scene.geometry.intersect(&Ray::new(point, direction)) else { continue };
-            let Some((radiance, _)) = scene.lights.emitted(&scene.geometry, &point.into(), &hit) else { continue };
+            let Some((radiance, _)) = scene.lights.emitted(&scene.geometry, &point.into(), &hit, true) else {
+                continue;
+            };
             expected += radiance * (4.0 * PI) as f32 / (4 * SAMPLES) as f32;
         }
         if shape != "cube" {

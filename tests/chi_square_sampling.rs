@@ -320,7 +320,7 @@ fn check_direct(family: u32, body: &str, point: Vec3, target: Vec3, least_cosine
     let pdf = |local: Vec3| {
         let ray = Ray::new(point, frame.to_world(local).normalize());
         let Some(hit) = scene.geometry.intersect(&ray) else { return 0.0 };
-        scene.lights.emitted(&scene.geometry, &point.into(), &hit).map_or(0.0, |(_, pdf)| f64::from(pdf))
+        scene.lights.emitted(&scene.geometry, &point.into(), &hit, true).map_or(0.0, |(_, pdf)| f64::from(pdf))
     };
     assert_directions(samples, pdf, least_cosine, &what);
 }
@@ -376,7 +376,7 @@ fn chi_square_direct_light_of_a_cylinder() {
         // Near the outline the cosine has few digits.
         let Some(hit) = scene.geometry.intersect(&Ray::new(point, sample.direction)) else { continue };
         if hit.geometric_normal.dot(hit.outgoing) > 0.1 {
-            let (_, pdf) = scene.lights.emitted(&scene.geometry, &point.into(), &hit).expect("it was sampled");
+            let (_, pdf) = scene.lights.emitted(&scene.geometry, &point.into(), &hit, true).expect("it was sampled");
             assert!((pdf / sample.pdf_solid_angle - 1.0).abs() < 1e-3, "{pdf} is not {}", sample.pdf_solid_angle);
             let area = 0.8 * PI;
             let cosine = f64::from(hit.geometric_normal.dot(hit.outgoing));
@@ -483,6 +483,27 @@ fn chi_square_photons_of_flat_lights() {
     });
     assert_uniform(points, "disk: positions");
     assert_cosine_law(photons.iter().map(|photon| (photon, normal)), "disk");
+}
+
+/// Both sides emit: seen from behind, from inside of a sphere, and as photons, half of which leave from each side.
+#[test]
+fn chi_square_two_sided_lights() {
+    let both = AREA.replace("'area'>", "'area'><boolean name='two_sided' value='true'/>");
+    let oblique = "<transform name='to_world'><scale x='1.5' y='0.5'/><rotate x='1' y='2' angle='40'/></transform>";
+    let rectangle = format!("<shape type='rectangle'>{oblique}{both}</shape>");
+    for point in [Vec3::new(0.5, 0.2, 2.0), Vec3::new(0.5, 0.2, -2.0)] {
+        check_direct(150, &rectangle, point, Vec3::ZERO, 0.5);
+    }
+    let sphere = format!("<shape type='sphere'>{both}</shape>");
+    check_direct(151, &sphere, Vec3::new(0.3, -0.2, 0.4), Vec3::new(0.3, -0.2, 3.0), -1.0);
+    check_direct(152, &sphere, Vec3::new(0.0, 0.0, 3.0), Vec3::ZERO, 0.9);
+
+    let lit = scene(&format!("<shape type='rectangle'>{both}</shape>"));
+    let photons = emissions(153, &lit, 2.0 * PI * 4.0 * 3.0);
+    assert_cosine_law(photons.iter().map(|photon| (photon, Vec3::Z * photon.origin.z.signum())), "both sides");
+    let mut sides = Histogram::new(2);
+    photons.iter().for_each(|photon| sides.add(usize::from(photon.direction.z > 0.0)));
+    sides.assert_shares(&[0.5, 0.5], "sides");
 }
 
 #[test]

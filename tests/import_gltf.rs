@@ -425,7 +425,7 @@ fn nodes_share_their_mesh() {
     assert!(corner.distance(DVec3::new(-5.0, 0.0, 0.0)) < 1e-12, "{corner}");
     assert_eq!(to_world(shapes[3]), DMat4::IDENTITY, "joints place a skinned mesh");
     assert!(notices(&scene).contains("the skin of a node is ignored"));
-    assert_eq!(scene.bundle.generated().map(|files| files.len()), Some(1));
+    assert_eq!(scene.bundle.generated().map(|made| made.meshes.len()), Some(1));
 }
 
 #[test]
@@ -507,7 +507,7 @@ fn a_scene_without_light_gets_white_surroundings() {
     assert_eq!(emitters(dark.clone()), (vec!["constant".to_owned()], true));
     Scene::prepare(&load(&GltfFile::with_triangle(dark))).unwrap_or_else(|error| panic!("{error}"));
     let lit = json!({
-        "nodes": [{"mesh": 0}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+        "nodes": [{"mesh": 0}, {"translation": [0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
         "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point"}]}},
     });
     assert_eq!(emitters(lit), (vec!["point".to_owned()], false));
@@ -526,7 +526,7 @@ fn black_lights_are_no_lights() {
     };
     let light = |material: Value, shade: u8, intensity: f64| {
         let mut file = GltfFile::new(json!({
-            "nodes": [{"mesh": 0}, {"mesh": 0}, {"extensions": {"KHR_lights_punctual": {"light": 0}}}],
+            "nodes": [{"mesh": 0}, {"mesh": 0}, {"translation": [0, 0, 1], "extensions": {"KHR_lights_punctual": {"light": 0}}}],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "material": 0}]}],
             "materials": [material], "textures": [{"source": 0}], "images": [{"uri": image(shade)}],
             "extensions": {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": intensity}]}},
@@ -542,7 +542,8 @@ fn black_lights_are_no_lights() {
     };
     let shining = json!({"emissiveFactor": [0.4, 0.5, 0.6], "emissiveTexture": {"index": 0}});
     assert_eq!(light(shining.clone(), 0, 0.0), "the surroundings", "its image is black");
-    assert_eq!(light(shining.clone(), 1, 0.0), "the file");
+    assert_eq!(light(shining.clone(), 1, 0.0), "the surroundings", "its image is all but black");
+    assert_eq!(light(shining.clone(), 128, 0.0), "the file");
     assert_eq!(light(shining, 0, 1.0), "the file");
     assert_eq!(light(json!({}), 0, 0.0), "the surroundings", "the point light has no intensity");
     assert_eq!(light(json!({"emissiveFactor": [0, 0, 1]}), 0, 0.0), "the file");

@@ -209,7 +209,8 @@ fn containers_that_cannot_be() {
         writeln!(report, "{what}\n    {}", error(&bytes)).expect("a string grows");
     }
     insta::assert_snapshot!(report);
-    for length in 4..glb.len() {
+    // The padding of the last chunk may be missing.
+    for length in 4..glb.len() - 3 {
         assert_ne!(error(&glb[..length]), "no error", "cut off after {length} bytes");
     }
 }
@@ -244,9 +245,10 @@ fn endless_lists_are_refused() {
 /// What an import promises of a file that it accepts: every mesh that it made can be read.
 fn check(bytes: &[u8]) {
     let Ok(scene) = load_bytes("room", bytes, &[]) else { return };
-    for (name, content) in scene.bundle.generated().into_iter().flatten().filter(|(name, _)| name.ends_with(".ply")) {
+    for (name, mesh) in scene.bundle.generated().into_iter().flat_map(|made| &made.meshes) {
         let location = Location { file: name.clone(), ..Location::default() };
-        ply::read(content, &location).unwrap_or_else(|error| panic!("{error}"));
+        let read = ply::read(&ply::write(mesh), &location).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(read, **mesh);
     }
 }
 

@@ -263,8 +263,8 @@ fn mgf_that_cannot_be() {
         ("negative reflectance", "m x =\n rd -.5"),
         ("rs without roughness", "m x =\n rs .5"),
         ("index 0", "m x =\n ir 0 0"),
-        ("black chromaticity", "c x =\n cxy 0 0"),
-        ("spectrum of nothing", "c x =\n cspec 400 700 0 0 0"),
+        ("black chromaticity", "c x =\n cxy 0 0\nm y =\n c x\n rd .5"),
+        ("spectrum of nothing", "c x =\n cspec 400 700 0 0 0\nm y =\n c x\n rd .5"),
         ("spectrum backwards", "c x =\n cspec 700 400 1 1"),
         ("0 kelvin", "c x =\n cct 0"),
         ("mixture of an unknown color", "c x =\n cmix 1 y"),
@@ -289,7 +289,7 @@ fn mgf_that_cannot_be() {
         ("a cube of copies", "v a =\nxf -a 1000 -t 1 0 0 -a 1000 -t 0 1 0 -a 1000 -t 0 0 1\nsph a .1\nxf"),
         ("nested copies", "v a =\nxf -a 3000 -t 1 0 0\nxf -a 3000 -t 0 1 0\nsph a .1\nxf\nxf"),
         ("copies of nothing", "xf -a 9999 -t 1 0 0\nxf -a 9999 -t 0 1 0\nxf\nxf"),
-        ("copies of tori", "v a =\n n 0 0 1\nxf -a 9999 -t 1 0 0\ntorus a 1 2\nxf"),
+        ("copies of tori", "m x =\n ed 1\nv a =\n n 0 0 1\nxf -a 9999 -t 1 0 0\ntorus a 1 2\nxf"),
         ("exploding repetition", "v a =\nxf -i 4000000000 -s 2\nsph a 1\nxf"),
         ("end of no object", "o"),
         ("include of a missing file", "i missing.mgf"),
@@ -334,7 +334,7 @@ fn mgf_costly_polygons_are_refused() {
         writeln!(text, "v s{corner} =\n p {} {} 0", radius * angle.cos(), radius * angle.sin()).unwrap();
         write!(face, " s{corner}").unwrap();
     }
-    writeln!(text, "m x =\n rd .5\nxf -a 1000 -t 0 0 1\n{face}\nxf").unwrap();
+    writeln!(text, "m x =\n ed 5\nxf -a 1000 -t 0 0 1\n{face}\nxf").unwrap();
     let error = load_bytes("scene.mgf", text.as_bytes(), &[]).expect_err("it is too much").to_string();
     assert!(error.starts_with("scene.mgf:") && error.contains("; "), "{error}");
 }

@@ -43,7 +43,6 @@ fn scenes_that_lack_something() {
             "light of intensity 0",
             only(&[SENSOR, SHAPE, "<emitter type='point'><rgb name='intensity' value='0, 0, 0'/></emitter>"]),
         ),
-        ("two sensors", only(&[SENSOR, SENSOR, SHAPE, LIGHT])),
         ("two environments", only(&[SENSOR, SHAPE, "<emitter type='constant'/><emitter type='constant'/>"])),
         ("area light outside of a shape", only(&[SENSOR, SHAPE, "<emitter type='area'/>"])),
         ("point light in a shape", only(&[SENSOR, LIGHT, "<shape type='cube'><emitter type='point'/></shape>"])),

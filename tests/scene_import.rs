@@ -292,13 +292,13 @@ fn place() -> Location {
 
 #[test]
 fn obj_faces_are_fanned_and_share_vertices() {
-    let mesh = obj::read(OBJ.as_bytes(), &place()).unwrap();
+    let mesh = obj::read(OBJ.as_bytes(), None, &place()).unwrap().mesh;
     // The second face has no texture coordinates: its corners are vertices of their own.
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [4, 5, 6]]);
     assert_eq!(mesh.positions[4..], [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.5, 1.0]]);
     assert_eq!(mesh.normals, [[0.0, 0.0, 1.0]; 7]);
     assert_eq!(mesh.texture_coordinates[2..5], [[1.0, 1.0], [0.0, 0.0], [0.0, 0.0]]);
-    let plain = obj::read(b"v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\nf 3 2 1", &place()).unwrap();
+    let plain = obj::read(b"v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\nf 3 2 1", None, &place()).unwrap().mesh;
     assert_eq!((plain.positions.len(), plain.normals.len(), plain.texture_coordinates.len()), (3, 0, 0));
     assert_eq!(plain.triangles, [[0, 1, 2], [2, 1, 0]]);
 }
@@ -344,7 +344,7 @@ fn ply_encodings_give_one_mesh() {
         normals: vec![],
         texture_coordinates: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3], [0, 2, 1]],
-        face_normals: false,
+        ..TriangleMesh::default()
     };
     assert_eq!(mesh, expected);
     for big_endian in [false, true] {
@@ -395,7 +395,7 @@ fn damaged_files_are_errors_and_never_panics() {
         for scene in [XML.as_bytes(), JSON.as_bytes(), &archive] {
             refused += usize::from(load_bytes("scene", &numbers.mutate(scene), &[]).is_err());
         }
-        refused += usize::from(obj::read(&numbers.mutate(OBJ.as_bytes()), &place()).is_err());
+        refused += usize::from(obj::read(&numbers.mutate(OBJ.as_bytes()), None, &place()).is_err());
         for mesh in [PLY.as_bytes(), &binary_ply(false), &binary_ply(true)] {
             refused += usize::from(ply::read(&numbers.mutate(mesh), &place()).is_err());
         }

@@ -32,7 +32,7 @@ fn square(x: f32) -> TriangleMesh {
         normals: vec![[0.0, 0.0, 1.0], [0.0, 0.5, 0.5], [0.25, 0.0, 1.0], [0.0, 0.0, 1.0]],
         texture_coordinates: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.5]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        face_normals: false,
+        ..TriangleMesh::default()
     }
 }
 

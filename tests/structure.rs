@@ -30,7 +30,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("obvhs", &["scene/geometry/accelerator.rs"]),
     ("base64", &["import/gltf", "evaluation/chart", "farm/webhooks/signature.rs"]),
     ("roxmltree", &["import", "cli/scene_file.rs"]),
-    ("flate2", &["scene/geometry/serialized.rs"]),
+    ("flate2", &["scene/geometry/serialized.rs", "import/gzip.rs"]),
     ("zip", &["scene", "import", "cli/scene_file.rs", "farm/store/maintenance.rs"]),
     ("sqlx", &["farm/store"]),
     ("object_store", &["farm/store"]),

@@ -19,7 +19,7 @@ use crate::farm::access::caller::Caller;
 use crate::farm::access::user::UserName;
 use crate::farm::cut::Cut;
 use crate::farm::ids::JobId;
-use crate::farm::job::{JobFilter, JobRequest, JobState, JobStatus, Priority, StopRule};
+use crate::farm::job::{JobFilter, JobRequest, JobState, JobStatus, Priority, SceneChanges, StopRule};
 
 /// A job to be made. Exactly one of `scene` and `scene_inline` is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -33,6 +33,12 @@ pub struct JobSubmission {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Object>)]
     pub scene_inline: Option<serde_json::Value>,
+    /// What is changed of the scene: `width`, `height` (pixels; one alone keeps the picture's proportions), `crop` (`x`, `y`,
+    /// `width`, `height`), `camera` (a name or an index as text), `environment` (`on` or `off`: a white environment). The
+    /// changed scene is kept as a scene of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<Object>)]
+    pub scene_changes: Option<SceneChanges>,
     /// Method; the scene's own integrator when it is not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
@@ -171,10 +177,10 @@ pub async fn submit_job(
     preferences: Preferences,
     JsonBody(mut submission): JsonBody<JobSubmission>,
 ) -> Result<Response, Problem> {
-    let scene = match (submission.scene.take(), submission.scene_inline.take()) {
-        (Some(hash), None) => hash,
-        (None, Some(scene)) => state.coordinator.add_scene_of(inline_scene_bytes(scene)?, &caller).await?.hash,
-        (found, _) => return Err(one_scene(found.is_some())),
+    let (hash, bytes) = scene_of(&state, &mut submission).await?;
+    let scene = match bytes {
+        Some(bytes) => state.coordinator.add_scene_of(bytes, &caller).await?.hash,
+        None => hash,
     };
     let request = submission.request(scene);
     accepted(&state, &caller, preferences, request).await
@@ -215,14 +221,25 @@ pub async fn validate_job(
     State(state): State<ApiState>,
     JsonBody(mut submission): JsonBody<JobSubmission>,
 ) -> Result<Json<Validation>, Problem> {
-    let (hash, inline) = match (submission.scene.take(), submission.scene_inline.take()) {
+    let (hash, bytes) = scene_of(&state, &mut submission).await?;
+    let checked = state.coordinator.validate(submission.request(hash), bytes).await.map_err(submission_problem)?;
+    let JobStatus { scene, method, parameters, stop, width, height, notices, .. } = checked;
+    Ok(Json(Validation { scene, method, parameters, stop, width, height, notices }))
+}
+
+/// The hash of a job's scene that is there, or the bytes of one that is not yet, with the changes that the job asks for.
+async fn scene_of(state: &ApiState, submission: &mut JobSubmission) -> Result<(String, Option<Vec<u8>>), Problem> {
+    let (hash, bytes) = match (submission.scene.take(), submission.scene_inline.take()) {
         (Some(hash), None) => (hash, None),
         (None, Some(scene)) => (String::new(), Some(inline_scene_bytes(scene)?)),
         (found, _) => return Err(one_scene(found.is_some())),
     };
-    let checked = state.coordinator.validate(submission.request(hash), inline).await.map_err(submission_problem)?;
-    let JobStatus { scene, method, parameters, stop, width, height, notices, .. } = checked;
-    Ok(Json(Validation { scene, method, parameters, stop, width, height, notices }))
+    let Some(changes) = submission.scene_changes.take() else { return Ok((hash, bytes)) };
+    let bytes = match bytes {
+        Some(bytes) => bytes.into(),
+        None => state.coordinator.scene_bytes(&hash).await.map_err(submission_problem)?,
+    };
+    Ok((String::new(), Some(state.coordinator.changed(bytes, changes).await?)))
 }
 
 /// A job has exactly one scene.

@@ -6,9 +6,9 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit_code::CliError;
-use super::job_options::define;
-use super::{scene_file, terminal};
-use crate::import::{load_file, native};
+use super::scene_options::SceneOptions;
+use super::terminal;
+use crate::import::native;
 use crate::scene::description::SceneDescription;
 use crate::scene::notice::Notice;
 
@@ -28,15 +28,13 @@ pub(super) struct Import {
     /// Print the report as JSON.
     #[arg(long, requires = "report")]
     json: bool,
-    /// Value of a scene parameter, in place of its <default>. May be repeated.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    defines: Vec<(String, String)>,
+    #[command(flatten)]
+    options: SceneOptions,
 }
 
 impl Import {
     pub(super) fn run(self) -> Result<(), CliError> {
-        scene_file::check_readable(&self.scene)?;
-        let description = load_file(&self.scene, &self.defines)?;
+        let description = self.options.load(&self.scene)?;
         if let Some(output) = &self.output {
             write(&description, output)?;
         }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::scene_options::SceneOptions;
 use super::stop_options::StopOptions;
 use crate::api::jobs::JobSubmission;
 use crate::farm::cut::Cut;
@@ -46,9 +47,8 @@ pub(super) struct JobOptions {
     /// The job's share of the farm beside others, 1 to 1000.
     #[arg(long, default_value = "100", value_parser = priority)]
     priority: Priority,
-    /// Value of a scene parameter, in place of its <default>. May be repeated.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    pub(super) defines: Vec<(String, String)>,
+    #[command(flatten)]
+    pub(super) options: SceneOptions,
 }
 
 impl JobOptions {
@@ -59,6 +59,7 @@ impl JobOptions {
         JobSubmission {
             scene: Some(scene),
             scene_inline: None,
+            scene_changes: None,
             method: self.method.clone(),
             parameters: self.settings.iter().cloned().chain(length).chain(strategy).collect(),
             stop: self.stop.rule(),

@@ -32,6 +32,7 @@ mod resume;
 mod rm;
 mod scene;
 mod scene_file;
+mod scene_options;
 mod scenes;
 mod serve;
 mod signals;

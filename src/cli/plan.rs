@@ -8,11 +8,11 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit_code::CliError;
-use super::job_options::{define, setting};
-use super::{scene_file, terminal};
+use super::job_options::setting;
+use super::scene_options::SceneOptions;
+use super::terminal;
 use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, Survey, Trial};
 use crate::farm::method_choice::try_methods;
-use crate::import::load_file;
 use crate::scene::needs::SceneNeeds;
 use crate::scene::prepare::Scene;
 
@@ -30,9 +30,8 @@ pub(super) struct Plan {
     /// Method parameter that every candidate gets. May be repeated.
     #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
     settings: Vec<(String, Value)>,
-    /// Value of a scene parameter, in place of its <default>. May be repeated.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    defines: Vec<(String, String)>,
+    #[command(flatten)]
+    options: SceneOptions,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -43,8 +42,7 @@ impl Plan {
         if !(self.error > 0.0 && self.error.is_finite()) {
             return Err(CliError::BadInput(format!("--error is {}; give a relMSE above 0, as 0.01", self.error)));
         }
-        scene_file::check_readable(&self.scene)?;
-        let scene = Scene::prepare(&load_file(&self.scene, &self.defines)?)?;
+        let scene = Scene::prepare(&self.options.load(&self.scene)?)?;
         let (needs, size) = (scene.needs(), [scene.width, scene.height]);
         let parameters = self.settings.iter().cloned().collect();
         let mut stopwatch = ProcessStopwatch::start().map_err(CliError::failed)?;

@@ -11,10 +11,9 @@ use super::farm_options::{farm_with_api, threads_per_worker};
 use super::job_options::JobOptions;
 use super::outputs::{OutputOptions, default_outputs};
 use super::progress::{Progress, rate};
-use super::{scene_file, signals, terminal, weight_maps};
+use super::{signals, terminal, weight_maps};
 use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
-use crate::import::load_file;
 use crate::method::MethodChoice;
 use crate::scene::Scene;
 
@@ -51,7 +50,7 @@ impl Render {
         }
         self.output.check()?;
         self.weight_maps.as_deref().map(weight_maps::check).transpose()?;
-        let scene = scene_file::pack(&self.job.scene, &self.job.defines)?;
+        let scene = self.job.options.pack(&self.job.scene)?;
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
         let mut farm = farm_with_api(workers, threads).start().await?;
@@ -104,7 +103,7 @@ impl Render {
 
     /// One line on what a pass of the job spends its time on.
     fn time_shares_of(&self, job: &JobStatus, threads: usize) -> Result<String, CliError> {
-        let scene = Arc::new(Scene::prepare(&load_file(&self.job.scene, &self.job.defines)?)?);
+        let scene = Arc::new(Scene::prepare(&self.job.options.load(&self.job.scene)?)?);
         let choice = MethodChoice { name: job.method.clone(), parameters: job.parameters.clone() };
         let measure = || time_shares(&scene, &choice, job.seed, &mut ProcessStopwatch::start()?);
         let TimeShares { pass, density_estimates, weights } =

@@ -11,11 +11,10 @@ use serde_json::json;
 
 use super::exit_code::CliError;
 use super::import::notice_json;
-use super::job_options::define;
-use super::{scene_file, terminal};
+use super::scene_options::SceneOptions;
+use super::terminal;
 use crate::farm::coordinator::request::{ResolvedMethod, resolve_method};
 use crate::farm::job::JobRequest;
-use crate::import::load_file;
 use crate::method::SceneTraits;
 use crate::scene::description::{Node, PluginClass, SceneDescription};
 use crate::scene::prepare::Scene as PreparedScene;
@@ -41,9 +40,8 @@ struct Check {
     /// Print JSON.
     #[arg(long)]
     json: bool,
-    /// Value of a scene parameter, in place of its <default>. May be repeated.
-    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = define)]
-    defines: Vec<(String, String)>,
+    #[command(flatten)]
+    options: SceneOptions,
 }
 
 impl Scene {
@@ -55,9 +53,8 @@ impl Scene {
 
 impl Check {
     fn run(self) -> Result<(), CliError> {
-        scene_file::check_readable(&self.scene)?;
         let start = Instant::now();
-        let description = load_file(&self.scene, &self.defines)?;
+        let description = self.options.load(&self.scene)?;
         let read = start.elapsed();
         let scene = PreparedScene::prepare(&description)?;
         let built = start.elapsed() - read;

@@ -9,6 +9,7 @@ use zip::{DateTime, ZipArchive, ZipWriter};
 
 use super::exit_code::CliError;
 use crate::import;
+use crate::import::changes::{Changes, with_changes};
 
 /// A define of the command line: name and value.
 type Define = (String, String);
@@ -20,8 +21,12 @@ pub(super) fn check_readable(path: &Path) -> Result<(), CliError> {
     })
 }
 
-/// Reads the scene at `path` and everything it refers to, with `defines` written into it.
-pub(super) fn pack(path: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
+/// Reads the scene at `path` and everything it refers to, with `defines` written into it and `changes` beside it.
+pub(super) fn pack(path: &Path, defines: &[Define], changes: &Changes) -> Result<Vec<u8>, CliError> {
+    Ok(with_changes(&pack_defined(path, defines)?, changes)?)
+}
+
+fn pack_defined(path: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
     check_readable(path)?;
     // Packing checks the defines as well: each must be used, and JSON scenes take none.
     let bytes = import::pack(path, defines)?;
@@ -94,7 +99,7 @@ mod tests {
         for (name, content) in files {
             std::fs::write(folder.path().join(name), content).expect("writes");
         }
-        pack(&folder.path().join(files[0].0), defines)
+        pack_defined(&folder.path().join(files[0].0), defines)
     }
 
     #[test]

@@ -5,7 +5,7 @@ use clap::Args;
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
 use super::job_options::JobOptions;
-use super::{scene_file, terminal};
+use super::terminal;
 
 /// Send a scene to a coordinator; prints the job's id.
 ///
@@ -24,7 +24,7 @@ pub(super) struct Submit {
 impl Submit {
     pub(super) async fn run(self) -> Result<(), CliError> {
         let client = self.coordinator.client()?;
-        let hash = client.upload_scene(scene_file::pack(&self.job.scene, &self.job.defines)?).await?;
+        let hash = client.upload_scene(self.job.options.pack(&self.job.scene)?).await?;
         let job = client.submit(&self.job.submission(hash)).await?;
         for notice in &job.notices {
             terminal::note(&format!("note: {notice}"));

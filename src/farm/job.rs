@@ -9,6 +9,7 @@ use utoipa::ToSchema;
 use super::access::user::UserName;
 use super::cut::Cut;
 use super::ids::JobId;
+pub use crate::import::changes::Changes as SceneChanges;
 
 /// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]

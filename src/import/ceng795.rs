@@ -17,7 +17,7 @@ use super::draft::{Draft, Reading};
 use super::notices::Notices;
 use super::substitution::refuse_defines;
 use super::xml_element::File;
-use crate::scene::bundle::Files;
+use crate::scene::bundle::Generated;
 use crate::scene::description::PluginClass;
 use crate::scene::error::{Location, SceneError};
 use camera::Camera;
@@ -57,7 +57,7 @@ pub(super) fn is_ceng795(text: &[u8]) -> bool {
     ends && !attributes.windows(b"version".len()).any(|bytes| bytes == b"version")
 }
 
-/// Reads a scene file. Gives the scene and the files that were made for it. The format has no `$names`, so every define is
+/// Reads a scene file. Gives the scene and the meshes that were made for it. The format has no `$names`, so every define is
 /// an error.
 ///
 /// # Errors
@@ -66,7 +66,8 @@ pub(super) fn read(
     bytes: &[u8],
     location: &Location,
     defines: &[(String, String)],
-) -> Result<(Reading, Files), SceneError> {
+    camera: Option<&str>,
+) -> Result<(Reading, Generated), SceneError> {
     refuse_defines(defines, location, "a scene of this format has no parameters")?;
     let text = File::text(bytes, location)?;
     let document = File::parse(text, location)?;
@@ -75,7 +76,7 @@ pub(super) fn read(
     let mut notices = Notices::default();
     scene.report_unknown(&TAGS, &[], &mut notices);
     let materials = Materials::read(&scene, &mut notices)?;
-    let camera = Camera::find(&scene, &mut notices)?;
+    let camera = Camera::find(&scene, camera, &mut notices)?;
     let depth = scene.child("MaxRecursionDepth")?.map_or(Ok(0), |element| element.integer())?;
     let mut root =
         Draft::new(PluginClass::Scene, "scene", &scene.location()).with_child("", camera.sensor(&mut notices)?);
@@ -85,9 +86,9 @@ pub(super) fn read(
     let lights = lights::read(&scene, materials.light_scale, &mut notices)?;
     let mut objects = Objects::new(&scene, &materials, &mut notices)?;
     objects.read(&scene)?;
-    let Objects { shapes, files, .. } = objects;
+    let Objects { shapes, made, .. } = objects;
     let root =
         materials.bsdfs.into_iter().chain(shapes).chain(lights).fold(root, |root, draft| root.with_child("", draft));
     let reading = Reading { root, aliases: Vec::new(), includes: Vec::new(), notices: notices.into_list() };
-    Ok((reading, files))
+    Ok((reading, made))
 }

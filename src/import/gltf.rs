@@ -1,6 +1,6 @@
 //! glTF 2.0: `.gltf` with its buffers and images, and `.glb`.
 //!
-//! Meshes become PLY files in memory, materials `principled`, nodes shapes with their transform to the world. What is
+//! Meshes become meshes in memory, materials `principled`, nodes shapes with their transform to the world. What is
 //! supported, approximated and refused stands in `docs/SCENES.md`; whatever a scene loses is in its notices.
 
 mod accessor;
@@ -14,17 +14,23 @@ mod material;
 mod mesh;
 mod nodes;
 mod specular_glossiness;
+mod tangents;
 mod texture;
+mod transmission;
+mod unlit;
 mod uri;
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+use super::default_environment;
 use super::draft::{Draft, Reading};
 use super::notices::Notices;
+use super::resolve::resolve;
 use super::substitution::refuse_defines;
-use crate::scene::bundle::{Bundle, Files};
-use crate::scene::description::PluginClass;
+use crate::scene::Scene;
+use crate::scene::bundle::{Bundle, Generated};
+use crate::scene::description::{PluginClass, SceneDescription};
 use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
 use buffers::{Budget, Buffers};
@@ -32,9 +38,18 @@ use entry::Document;
 use material::Materials;
 
 pub(super) use container::MAGIC;
+pub(super) use extensions::EXTENSIONS;
 
-/// Where the files stand that the import makes.
+/// Where the meshes and files stand that the import makes.
 const GENERATED_FOLDER: &str = "generated/";
+
+/// What is wanted of a file.
+pub(super) struct Wishes<'a> {
+    /// The name or index of the camera; else the first.
+    pub camera: Option<&'a str>,
+    /// Whether a scene that is dark gets a white environment.
+    pub default_environment: bool,
+}
 
 /// What is read.
 struct Input<'a> {
@@ -46,7 +61,7 @@ struct Input<'a> {
 
 /// What is made besides plugins.
 struct Output {
-    generated: Files,
+    made: Generated,
     budget: Budget,
     notices: Notices,
 }
@@ -67,7 +82,8 @@ pub(super) fn is_gltf(text: &[u8]) -> bool {
 }
 
 /// Reads a `.gltf` or `.glb` file, and the files that it refers to from `bundle`. Gives the scene and the files that
-/// were made for it. glTF has no `$names`, so every define is an error.
+/// were made for it. glTF has no `$names`, so every define is an error. A scene that is dark gets a white environment if
+/// `wishes` say so.
 ///
 /// # Errors
 /// On malformed, truncated and oversized content, with its path in the JSON; on required extensions that are not
@@ -77,18 +93,23 @@ pub(super) fn read(
     location: &Location,
     bundle: &Bundle,
     defines: &[(String, String)],
-) -> Result<(Reading, Files), SceneError> {
+    wishes: &Wishes<'_>,
+) -> Result<(Reading, Generated), SceneError> {
     refuse_defines(defines, location, "a glTF scene has no parameters")?;
     let (text, binary) = container::split(bytes, location)?;
     let document = Document::parse(text, location)?;
     check_version(&document)?;
     extensions::check_required(&document.root())?;
-    let mut output = Output { generated: Files::new(), budget: Budget::new(), notices: Notices::default() };
+    let mut output = Output { made: Generated::default(), budget: Budget::new(), notices: Notices::default() };
     let mut includes = Vec::new();
     let buffers = Buffers::load(&document, bundle, binary, &mut output.budget, &mut includes)?;
-    let root = scene(&Input { document: &document, buffers: &buffers, bundle }, &mut output)?;
-    let Output { generated, notices, .. } = output;
-    Ok((Reading { root, aliases: Vec::new(), includes, notices: notices.into_list() }, generated))
+    let input = Input { document: &document, buffers: &buffers, bundle };
+    let (mut root, emits) = scene(&input, wishes.camera, &mut output)?;
+    if wishes.default_environment {
+        root = lit(root, emits, bundle, &mut output);
+    }
+    let Output { made, notices, .. } = output;
+    Ok((Reading { root, aliases: Vec::new(), includes, notices: notices.into_list() }, made))
 }
 
 fn check_version(document: &Document) -> Result<(), SceneError> {
@@ -102,7 +123,8 @@ fn check_version(document: &Document) -> Result<(), SceneError> {
     Err(asset.unwrap_or(root).error(format!("the version of glTF is {version:?}"), "export it as glTF 2.0"))
 }
 
-fn scene(input: &Input<'_>, output: &mut Output) -> Result<Draft, SceneError> {
+/// The scene without a default environment, and whether anything in it emits.
+fn scene(input: &Input<'_>, camera: Option<&str>, output: &mut Output) -> Result<(Draft, bool), SceneError> {
     let file = input.document.root();
     extensions::report_unread(&file, output)?;
     if input.document.count("animations") > 0 {
@@ -112,20 +134,36 @@ fn scene(input: &Input<'_>, output: &mut Output) -> Result<Draft, SceneError> {
     let mut materials = Materials::default();
     let contents = nodes::read(input, &mut materials, output)?;
     let location = file.location();
-    let files = input.bundle.clone().with_generated(output.generated.clone());
-    let surroundings = contents.is_dark(&files).then(|| white_surroundings(&location, output));
-    let sensor = match contents.sensor {
+    let files = input.bundle.clone().with_generated(output.made.clone());
+    let emits = contents.emits(&files);
+    let sensor = match camera::choose(&contents.cameras, camera, &location, output)? {
         Some(sensor) => sensor,
         None => camera::framing(contents.bounds, &location, output),
     };
     let scene = Draft::new(PluginClass::Scene, "scene", &location).with_child("", sensor);
-    let plugins = materials.plugins.into_iter().chain(contents.shapes).chain(contents.emitters).chain(surroundings);
-    Ok(plugins.fold(scene, |scene, plugin| scene.with_child("", plugin)))
+    let plugins = materials.plugins.into_iter().chain(contents.shapes).chain(contents.emitters);
+    Ok((plugins.fold(scene, |scene, plugin| scene.with_child("", plugin)), emits))
 }
 
-/// What lights a scene in which nothing emits, as in programs that show models.
-fn white_surroundings(location: &Location, output: &mut Output) -> Draft {
-    let explanation = "a white environment of radiance 1 lights the scene, in which nothing emits";
-    output.notices.add(Notice::approximated(location, "the missing light", explanation));
-    Draft::new(PluginClass::Emitter, "constant", location).with_rgb("radiance", [1.0; 3])
+/// A scene with a white environment where its own lights leave it dark, as in programs that show models.
+fn lit(root: Draft, emits: bool, bundle: &Bundle, output: &mut Output) -> Draft {
+    let explanation = if !emits {
+        "a white environment of radiance 1 lights the scene, in which nothing emits"
+    } else if leaves_dark(&root, bundle, output) {
+        "what emits in the scene leaves most of what is seen dark, so that a white environment of radiance 1 is added; \
+         --environment off leaves it out"
+    } else {
+        return root;
+    };
+    let location = root.location.clone();
+    output.notices.add(Notice::approximated(&location, "the missing light", explanation));
+    root.with_child("", default_environment::emitter(&location))
+}
+
+/// Whether the lights of a scene leave it dark. A scene that cannot be prepared is left as it is: preparing it tells why.
+fn leaves_dark(root: &Draft, bundle: &Bundle, output: &Output) -> bool {
+    let Ok(root) = resolve(root, &[]) else { return false };
+    let bundle = bundle.clone().with_generated(output.made.clone());
+    let description = SceneDescription { root, bundle, notices: Vec::new() };
+    Scene::prepare(&description).is_ok_and(|scene| default_environment::is_dark(&scene))
 }

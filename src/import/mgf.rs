@@ -5,9 +5,13 @@
 //! photometric units are divided by 179 lm·W⁻¹, as Radiance does, so that the results of both agree; +z is up.
 //! Whatever cannot be represented is in the notices.
 
+mod array;
 mod bsdf;
 mod color;
+mod color_entities;
 mod context;
+mod entities;
+mod luminaire;
 mod material;
 mod mesh;
 mod placement;
@@ -15,19 +19,21 @@ mod polygon;
 mod solids;
 mod stage;
 mod text;
+mod view;
 
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use glam::{DMat4, DVec3};
 
-use super::draft::{Draft, Reading};
+use super::compatibility;
+use super::draft::Reading;
 use super::substitution::refuse_defines;
 use super::values::shown;
-use crate::scene::bundle::{Bundle, Files};
-use crate::scene::description::PluginClass;
+use crate::scene::bundle::{Bundle, Generated};
 use crate::scene::error::{Location, SceneError, nearest_name};
 use crate::scene::notice::Notice;
+use array::{Copies, Mark};
 use color::{Color, GREY};
 use context::Contexts;
 use material::{BLACK, Material};
@@ -35,6 +41,8 @@ use placement::Placement;
 use solids::Solid;
 use stage::{Placed, Stage, Vertex};
 use text::{Entity, Text};
+
+pub(super) use entities::ENTITIES;
 
 /// How deep files may include files.
 const INCLUDE_DEPTH_LIMIT: usize = 32;
@@ -48,11 +56,6 @@ const COPY_LIMIT: u64 = 100_000;
 /// How deep transforms may nest.
 const TRANSFORM_LIMIT: usize = 64;
 
-const ENTITIES: [&str; 28] = [
-    "i", "ies", "o", "xf", "c", "cxy", "cspec", "cct", "cmix", "m", "sides", "rd", "td", "ed", "rs", "ts", "ir", "v",
-    "p", "n", "f", "fh", "sph", "cyl", "cone", "ring", "torus", "prism",
-];
-
 /// Whether a file is MGF, by its name or by its first entities.
 pub(super) fn is_mgf(bytes: &[u8], name: &str) -> bool {
     const LOOKED_AT: usize = 5;
@@ -64,7 +67,7 @@ pub(super) fn is_mgf(bytes: &[u8], name: &str) -> bool {
     // Wavefront OBJ files begin with some of the same letters: vertices have names here and numbers there.
     let known = |entity: Entity<'_>| {
         let vertex_of_obj = entity.keyword == "v" && entity.number(0).is_ok();
-        ENTITIES.contains(&entity.keyword) && !vertex_of_obj
+        compatibility::has(ENTITIES, entity.keyword) && !vertex_of_obj
     };
     entities.peek().is_some() && entities.all(known)
 }
@@ -75,7 +78,7 @@ pub(super) fn read(
     location: &Location,
     bundle: &Bundle,
     defines: &[(String, String)],
-) -> Result<(Reading, Files), SceneError> {
+) -> Result<(Reading, Generated), SceneError> {
     refuse_defines(defines, location, "an MGF scene has no parameters: write the value into it")?;
     let mut reader = Reader::new(bundle);
     let text = Rc::new(Text::new(&location.file, bytes));
@@ -85,10 +88,11 @@ pub(super) fn read(
     let Reader { mut stage, includes, unknown, .. } = reader;
     for (name, (location, count)) in unknown {
         let subject = format!("entity {} ({count} times)", shown(&name));
-        stage.notices.push(Notice::ignored(&location, subject, nearest_name(&name, &ENTITIES)));
+        stage.notices.push(Notice::ignored(&location, subject, nearest_name(&name, &compatibility::names(ENTITIES))));
     }
-    let (root, generated, notices) = stage.finish(location);
-    Ok((Reading { root, aliases: Vec::new(), includes, notices }, generated))
+    let (scene, made, bounds, mut notices) = stage.finish(location);
+    let root = view::with_camera(scene, bounds, bundle, &made, &mut notices);
+    Ok((Reading { root, aliases: Vec::new(), includes, notices }, made))
 }
 
 /// A transform that is in effect, with those round it.
@@ -98,6 +102,16 @@ struct Frame {
     /// The first entity inside.
     body: usize,
     location: Location,
+    /// What there was before the first copy of an array, until that ends.
+    mark: Option<Mark>,
+    /// Whether further copies are made of what emits only.
+    only_lights: bool,
+}
+
+/// The total transform of `placement` inside of `outer`.
+fn placed_inside(outer: DMat4, placement: &Placement, entity: &Entity<'_>) -> Result<Placed, SceneError> {
+    Placed::new(outer * placement.matrix())
+        .ok_or_else(|| entity.error("the transform makes things vanish or explode", "check its scales and counts"))
 }
 
 struct Reader<'a> {
@@ -209,37 +223,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn set_color(&mut self, entity: &Entity<'_>) -> Result<(), SceneError> {
-        let color = match entity.keyword {
-            "cxy" => {
-                entity.check_count(2, 2, "cxy x y")?;
-                Color::new(entity.amount(0)?, entity.amount(1)?)
-            }
-            "cct" => {
-                entity.check_count(1, 1, "cct kelvin")?;
-                Some(entity.number(0)?).filter(|kelvin| *kelvin >= 100.0).and_then(Color::from_temperature)
-            }
-            "cspec" => {
-                entity.check_count(4, 4096, "cspec first_nanometer last_nanometer value1 value2 …")?;
-                let (first, last) = (entity.amount(0)?, entity.amount(1)?);
-                let values = (2..entity.words.len()).map(|at| entity.amount(at)).collect::<Result<Vec<_>, _>>()?;
-                Some(last).filter(|last| *last > first).and_then(|last| Color::from_spectrum(first, last, &values))
-            }
-            _ => {
-                entity.check_count(2, 4096, "cmix weight1 color1 weight2 color2 …")?;
-                if entity.words.len() % 2 == 1 {
-                    return Err(entity.error("the last weight has no color", "give weights and colors in turn"));
-                }
-                let part = |at: usize| Ok((entity.amount(at)?, self.colors.find(entity.word(at + 1), entity)?));
-                let parts = (0..entity.words.len()).step_by(2).map(part).collect::<Result<Vec<_>, SceneError>>()?;
-                Color::mix(&parts)
-            }
-        };
-        let remedy = "give chromaticities with y above 0 and x + y up to 1, at least 100 K, or visible light in a spectrum or mixture";
-        *self.colors.current() = color.ok_or_else(|| entity.error("no color has these numbers", remedy))?;
-        Ok(())
-    }
-
     fn placed(&self, entity: &Entity<'_>) -> Result<Placed, SceneError> {
         match self.frames.last() {
             Some(frame) => Ok(frame.placed),
@@ -280,27 +263,51 @@ impl<'a> Reader<'a> {
             return Err(entity.error(problem, "make smaller arrays"));
         }
         let placed = self.inside(&placement, entity)?;
-        self.frames.push(Frame { placement, placed, body, location: entity.location() });
+        let mark = (placement.copies() > 1).then(|| self.stage.mark());
+        let location = entity.location();
+        self.frames.push(Frame { placement, placed, body, location, mark, only_lights: false });
         Ok(())
     }
 
     /// The total transform of `placement` inside of those in effect.
     fn inside(&self, placement: &Placement, entity: &Entity<'_>) -> Result<Placed, SceneError> {
-        let outer = self.frames.last().map_or(DMat4::IDENTITY, |frame| frame.placed.matrix());
-        Placed::new(outer * placement.matrix())
-            .ok_or_else(|| entity.error("the transform makes things vanish or explode", "check its scales and counts"))
+        placed_inside(self.frames.last().map_or(DMat4::IDENTITY, |frame| frame.placed.matrix()), placement, entity)
     }
 
     /// Goes on to the next copy of the innermost transform, and gives where it begins; or ends the transform.
     fn next_copy(&mut self, entity: &Entity<'_>) -> Result<Option<usize>, SceneError> {
         let Some(mut frame) = self.frames.pop() else { return Ok(None) };
+        match self.end_first_copy(&mut frame, entity)? {
+            Copies::Made => {}
+            Copies::PlacedButLights => {
+                frame.only_lights = !std::mem::replace(&mut self.stage.only_lights, true);
+            }
+            Copies::Placed => return Ok(None),
+        }
         if !frame.placement.advance() {
+            self.stage.only_lights &= !frame.only_lights;
             return Ok(None);
         }
         frame.placed = self.inside(&frame.placement, entity)?;
         let body = frame.body;
         self.frames.push(frame);
         Ok(Some(body))
+    }
+
+    /// After the first copy of an array: places the others, where they are many.
+    fn end_first_copy(&mut self, frame: &mut Frame, entity: &Entity<'_>) -> Result<Copies, SceneError> {
+        let Some(mark) = frame.mark.take() else { return Ok(Copies::Made) };
+        let outer = self.frames.last().map_or(DMat4::IDENTITY, |frame| frame.placed.matrix());
+        let Frame { placement, placed, .. } = frame;
+        let (copies, back) = (placement.copies(), placed.matrix().inverse());
+        let moves = || {
+            let mut moves = Vec::new();
+            while placement.advance() {
+                moves.push(placed_inside(outer, placement, entity)?.matrix() * back);
+            }
+            Ok(moves)
+        };
+        self.stage.end_first_copy(mark, copies, moves, entity)
     }
 
     fn include(&mut self, entity: &Entity<'_>) -> Result<(), SceneError> {
@@ -360,28 +367,6 @@ impl<'a> Reader<'a> {
             }
         }
         parts.join("/")
-    }
-
-    /// A luminaire: a point light with the intensities of an IES file. There a profile's downward direction is -z; here
-    /// an `ies` emitter sends it along its +z.
-    fn luminaire(&mut self, entity: &Entity<'_>) -> Result<(), SceneError> {
-        entity.check_count(1, usize::MAX, "ies file [-m factor] [transform]")?;
-        let name = self.resolved(entity.word(0));
-        let scaled = entity.word(1) == "-m";
-        let factor = if scaled { entity.amount(2)? } else { 1.0 };
-        self.push_transform(entity, if scaled { 3 } else { 1 }, 0)?;
-        loop {
-            self.count(entity)?;
-            let upright = DMat4::from_scale(DVec3::new(1.0, -1.0, -1.0));
-            let to_world = self.placed(entity)?.matrix() * upright;
-            let light = Draft::new(PluginClass::Emitter, "ies", &entity.location());
-            let light = light.with_text("filename", &name).with_transform("to_world", to_world);
-            let light = if scaled { light.with_rgb("intensity", [factor; 3]) } else { light };
-            self.stage.add(light, entity)?;
-            if self.next_copy(entity)?.is_none() {
-                return Ok(());
-            }
-        }
     }
 
     fn unknown(&mut self, entity: &Entity<'_>) -> Result<(), SceneError> {

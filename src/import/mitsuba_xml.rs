@@ -55,7 +55,7 @@ pub(super) fn read(
     reader.parameters.check_all_used(&scope.draft.location)?;
     let Reader { aliases, includes, notices, version, old, .. } = reader;
     let reading = Reading { root: scope.draft, aliases, includes, notices };
-    if version.is_old() { mitsuba_old::translate(reading, version, old) } else { Ok(reading) }
+    if version.is_old() { mitsuba_old::translate(reading, version, old, bundle) } else { Ok(reading) }
 }
 
 /// A plugin that is being read.

@@ -6,8 +6,12 @@
 //! and [`report`] is what an import could not represent.
 
 mod ceng795;
+pub mod changes;
+pub mod compatibility;
+mod default_environment;
 mod draft;
 mod gltf;
+mod gzip;
 mod json_text;
 mod mgf;
 mod mitsuba_json;
@@ -18,7 +22,6 @@ mod notices;
 mod pack;
 mod pbrt;
 mod plugins;
-mod ply_bytes;
 mod resolve;
 mod substitution;
 mod transform;
@@ -33,6 +36,7 @@ use std::sync::Arc;
 use crate::scene::bundle::{Bundle, read_file};
 use crate::scene::description::{Node, SceneDescription, Value};
 use crate::scene::error::{Location, SceneError};
+use changes::Changes;
 use draft::Reading;
 
 pub use pack::pack;
@@ -49,6 +53,20 @@ const DEPTH_LIMIT: usize = 64;
 /// Whatever is wrong with the scene's syntax, structure, references and included files; a define that nothing uses.
 pub fn load_file(path: &Path, defines: &[(String, String)]) -> Result<SceneDescription, SceneError> {
     read_source(path)?.import(defines).map(|imported| imported.description)
+}
+
+/// [`load_file`] with `changes`, which count before those that an archive brings along.
+///
+/// # Errors
+/// As [`load_file`]; when the scene has no such camera, or the picture no such part.
+pub fn load_changed(
+    path: &Path,
+    defines: &[(String, String)],
+    changes: &Changes,
+) -> Result<SceneDescription, SceneError> {
+    let mut source = read_source(path)?;
+    source.changes = changes.clone().over(source.changes);
+    source.import(defines).map(|imported| imported.description)
 }
 
 /// Reads a scene from memory: XML, JSON, glTF, GLB, MGF or pbrt that stands alone, or a zip archive.
@@ -80,6 +98,7 @@ struct Source {
     name: String,
     text: Arc<[u8]>,
     bundle: Bundle,
+    changes: Changes,
 }
 
 /// What importing a scene gives: the description, and the names of the files that were included on the way.
@@ -92,29 +111,35 @@ impl Source {
     fn from_bytes(name: &str, bytes: Arc<[u8]>) -> Result<Self, SceneError> {
         let location = Location { file: name.to_owned(), ..Location::default() };
         if format(&bytes, &location)? != Format::Zip {
-            return Ok(Self { name: name.to_owned(), text: bytes, bundle: Bundle::empty() });
+            let (name, bundle, changes) = (name.to_owned(), Bundle::empty(), Changes::default());
+            return Ok(Self { name, text: bytes, bundle, changes });
         }
         let bundle = Bundle::from_zip(&bytes, &location)?;
         let scene = scene_file(bundle.names().iter().map(String::as_str)).map_err(|problem| {
             SceneError::new(&location, problem, "put one scene.xml or scene.json at the top level")
         })?;
         let text = bundle.read(&scene, &location)?;
-        Ok(Self { name: scene, text, bundle })
+        let changes = changes::read(&bundle)?;
+        Ok(Self { name: scene, text, bundle, changes })
     }
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
         let mut bundle = self.bundle.clone();
-        let reading = match format(&self.text, &location)? {
+        let Changes { camera, environment, .. } = &self.changes;
+        let camera = camera.as_deref();
+        let found = format(&self.text, &location)?;
+        let reading = match found {
             Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
             Format::Ceng795 => {
-                let (reading, generated) = ceng795::read(&self.text, &location, defines)?;
+                let (reading, generated) = ceng795::read(&self.text, &location, defines, camera)?;
                 bundle = bundle.with_generated(generated);
                 reading
             }
             Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
             Format::Gltf | Format::Glb => {
-                let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines)?;
+                let wishes = gltf::Wishes { camera, default_environment: environment.is_none() };
+                let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines, &wishes)?;
                 bundle = bundle.with_generated(generated);
                 reading
             }
@@ -132,10 +157,15 @@ impl Source {
                 return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
             }
         };
-        let Reading { root, aliases, includes: mut files, notices } = reading;
-        let root = resolve::resolve(&root, &aliases)?;
+        let Reading { root, aliases, includes: mut files, mut notices } = reading;
+        let mut root = resolve::resolve(&root, &aliases)?;
+        // The others choose while they read.
+        if !matches!(found, Format::Gltf | Format::Glb | Format::Ceng795) {
+            changes::choose_sensor(&mut root, camera, &mut notices)?;
+        }
+        self.changes.apply(&mut root, &mut notices)?;
         collect_file_names(&root, &mut HashSet::new(), &mut files);
-        files.retain(|(name, _)| bundle.generated().is_none_or(|generated| !generated.contains_key(name)));
+        files.retain(|(name, _)| bundle.generated().is_none_or(|generated| !generated.contains(name)));
         Ok(Imported { description: SceneDescription { root, bundle, notices }, files })
     }
 }
@@ -157,7 +187,7 @@ fn read_source(path: &Path) -> Result<Source, SceneError> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    Ok(Source { name, text: bytes, bundle: Bundle::Folder(folder.to_owned()) })
+    Ok(Source { name, text: bytes, bundle: Bundle::Folder(folder.to_owned()), changes: Changes::default() })
 }
 
 /// Tells the format by how the file begins.
@@ -192,7 +222,7 @@ const STANDARD_NAMES: [&str; 6] = ["scene.xml", "scene.json", "scene.gltf", "sce
 
 /// The scene file among the names in an archive, or why there is none.
 fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
-    let top: Vec<&str> = names.filter(|name| !name.contains('/')).collect();
+    let top: Vec<&str> = names.filter(|name| !name.contains('/') && *name != changes::FILE).collect();
     let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
     let is_scene =
         |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb" | "mgf" | "pbrt"));

@@ -49,14 +49,7 @@ fn name_in_archive(
     files: &BTreeMap<String, Arc<[u8]>>,
     location: &Location,
 ) -> Result<String, SceneError> {
-    let standard = match format(&source.text, location)? {
-        Format::Xml | Format::Ceng795 => "scene.xml",
-        Format::Gltf => "scene.gltf",
-        Format::Glb => "scene.glb",
-        Format::Mgf => "scene.mgf",
-        Format::Pbrt => "scene.pbrt",
-        Format::Json | Format::Zip => "scene.json",
-    };
+    let standard = standard_name(format(&source.text, location)?);
     let found = |name: &&str| {
         let names = files.keys().map(String::as_str).chain([*name]);
         !files.contains_key(*name) && scene_file(names).is_ok_and(|scene| scene == *name)
@@ -66,6 +59,18 @@ fn name_in_archive(
         SceneError::new(location, problem, format!("name the scene file {standard}, and no other file so"))
     })?;
     Ok(name.to_owned())
+}
+
+/// What a scene file is called in an archive that has others.
+pub(super) fn standard_name(format: Format) -> &'static str {
+    match format {
+        Format::Xml | Format::Ceng795 => "scene.xml",
+        Format::Gltf => "scene.gltf",
+        Format::Glb => "scene.glb",
+        Format::Mgf => "scene.mgf",
+        Format::Pbrt => "scene.pbrt",
+        Format::Json | Format::Zip => "scene.json",
+    }
 }
 
 /// A zip archive whose bytes depend on the files' names and contents only.

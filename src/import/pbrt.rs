@@ -1,10 +1,14 @@
 //! pbrt-v4 [Pharr, Jakob and Humphreys 2023].
 //!
 //! A file is a list of directives. Some change what is current (transform, material, area light), others make shapes and
-//! lights of it. Meshes that stand in the text become PLY files in memory. What is supported, approximated and refused
+//! lights of it. Meshes that stand in the text become meshes in memory. What is supported, approximated and refused
 //! stands in `docs/SCENES.md`; whatever a scene loses is in its notices.
 
+mod area_light;
 mod attributes;
+mod camera;
+mod directives;
+mod goniometric;
 mod light;
 mod material;
 mod mesh;
@@ -21,10 +25,11 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::DMat4;
 
+use super::compatibility;
 use super::draft::{Draft, Reading};
 use super::substitution::refuse_defines;
 use super::values::shown;
-use crate::scene::bundle::{Bundle, Files};
+use crate::scene::bundle::{Bundle, Generated};
 use crate::scene::description::PluginClass;
 use crate::scene::error::{Location, SceneError, nearest_name};
 use attributes::{Attributes, inverse};
@@ -36,6 +41,8 @@ use placement::Object;
 use text::{Token, Tokens};
 use texture::Textures;
 
+pub(super) use directives::DIRECTIVES;
+
 /// How deep files may include files.
 const INCLUDE_DEPTH_LIMIT: usize = 32;
 /// How many files may be included.
@@ -45,47 +52,6 @@ const TEXT_LIMIT: usize = 256 << 20;
 /// How many things a scene may name: materials, objects, coordinate systems.
 const NAME_LIMIT: usize = 65_536;
 
-const DIRECTIVES: [&str; 38] = [
-    "Accelerator",
-    "ActiveTransform",
-    "AreaLightSource",
-    "Attribute",
-    "AttributeBegin",
-    "AttributeEnd",
-    "Camera",
-    "ColorSpace",
-    "ConcatTransform",
-    "CoordSysTransform",
-    "CoordinateSystem",
-    "Film",
-    "Identity",
-    "Import",
-    "Include",
-    "Integrator",
-    "LightSource",
-    "LookAt",
-    "MakeNamedMaterial",
-    "MakeNamedMedium",
-    "Material",
-    "MediumInterface",
-    "NamedMaterial",
-    "ObjectBegin",
-    "ObjectEnd",
-    "ObjectInstance",
-    "Option",
-    "PixelFilter",
-    "ReverseOrientation",
-    "Rotate",
-    "Sampler",
-    "Scale",
-    "Shape",
-    "Texture",
-    "Transform",
-    "TransformBegin",
-    "TransformEnd",
-    "Translate",
-];
-
 /// Whether a file is pbrt's, by its name or by its first directive.
 pub(super) fn is_pbrt(bytes: &[u8], name: &str) -> bool {
     if name.to_ascii_lowercase().ends_with(".pbrt") {
@@ -93,7 +59,7 @@ pub(super) fn is_pbrt(bytes: &[u8], name: &str) -> bool {
     }
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(65_536)]);
     let first = Tokens::new(name, &start).next();
-    matches!(first, Ok(Some(Token::Word(word))) if word == "WorldBegin" || DIRECTIVES.contains(&word))
+    matches!(first, Ok(Some(Token::Word(word))) if word == "WorldBegin" || compatibility::has(DIRECTIVES, word))
 }
 
 /// Reads a scene file and everything that it includes from `bundle`. pbrt has no parameters, so every define is an error.
@@ -105,7 +71,7 @@ pub(super) fn read(
     location: &Location,
     bundle: &Bundle,
     defines: &[(String, String)],
-) -> Result<(Reading, Files), SceneError> {
+) -> Result<(Reading, Generated), SceneError> {
     refuse_defines(defines, location, "a pbrt scene has no parameters: write the value into it")?;
     let mut reader = Reader::new(bundle);
     reader.follow_text(bytes, location)?;
@@ -127,7 +93,7 @@ pub(super) fn read(
     let children = plugins.into_iter().chain(output.plugins);
     let root = children.fold(scene, |scene, plugin| scene.with_child("", plugin));
     let (includes, notices) = (output.includes, output.notices.into_list());
-    Ok((Reading { root, aliases: Vec::new(), includes, notices }, output.generated))
+    Ok((Reading { root, aliases: Vec::new(), includes, notices }, output.made))
 }
 
 struct Reader<'a> {
@@ -214,6 +180,14 @@ impl<'a> Reader<'a> {
                 self.attributes.set_transform(system.ok_or_else(unknown)?);
                 Ok(())
             }
+            "TransformTimes" => {
+                for _ in 0..2 {
+                    tokens.next()?;
+                }
+                let instead = "everything stands where it is at the first";
+                self.output.approximated(&place, "the motion between two keyframes", instead);
+                Ok(())
+            }
             "Camera" | "Film" | "PixelFilter" | "Integrator" => self.option(directive, tokens, place),
             "Sampler" | "Accelerator" | "Option" | "ColorSpace" => self.pass_over(directive, tokens, place),
             "Attribute" | "MakeNamedMedium" | "MediumInterface" => self.leave_out(directive, tokens, place),
@@ -236,7 +210,7 @@ impl<'a> Reader<'a> {
             "ObjectBegin" | "ObjectEnd" | "ObjectInstance" => self.object(directive, tokens, &place),
             _ => {
                 let problem = format!("there is no directive {}", shown(directive));
-                Err(SceneError::new(&place, problem, nearest_name(directive, &DIRECTIVES)))
+                Err(SceneError::new(&place, problem, nearest_name(directive, &compatibility::names(DIRECTIVES))))
             }
         }
     }
@@ -300,10 +274,21 @@ impl<'a> Reader<'a> {
             }
             return Ok(());
         }
-        if directive != "Option" {
-            string(tokens, &place)?;
+        string(tokens, &place)?;
+        if directive == "Option" {
+            return self.pass_over_value(tokens, &place);
         }
         Parameters::read(tokens, place).map(drop)
+    }
+
+    /// The value of an option: one token, or several in brackets.
+    fn pass_over_value(&mut self, tokens: &mut Tokens<'_>, place: &Location) -> Result<(), SceneError> {
+        let missing = || SceneError::new(place, "the option has no value", "write a name and a value");
+        if !tokens.next_if_open() {
+            return tokens.next()?.map(drop).ok_or_else(missing);
+        }
+        while tokens.next()?.ok_or_else(missing)? != Token::Close {}
+        Ok(())
     }
 
     /// Directives that have no counterpart.

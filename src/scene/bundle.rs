@@ -9,6 +9,8 @@ use std::sync::Arc;
 use zip::ZipArchive;
 
 use super::error::{Location, SceneError, closest_name};
+use super::geometry::TriangleMesh;
+use super::geometry::ply;
 
 /// The largest single file that is read, in bytes.
 const FILE_LIMIT: u64 = 1 << 30;
@@ -28,12 +30,32 @@ pub enum Bundle {
     Folder(PathBuf),
     /// Files in memory, by their path with `/` separators.
     Archive(Arc<Files>),
-    /// Files that an importer made, before those of another bundle.
-    Generated(Arc<Files>, Box<Bundle>),
+    /// What an importer made, before the files of another bundle.
+    Generated(Arc<Generated>, Box<Bundle>),
 }
 
 /// Files in memory, by their path with `/` separators.
 pub type Files = BTreeMap<String, Arc<[u8]>>;
+
+/// What an importer made and shapes and textures name as if they were files. No name is in both.
+#[derive(Clone, Debug, Default)]
+pub struct Generated {
+    /// Files in memory, for example images that stood in a binary format.
+    pub files: Files,
+    /// Meshes by the names of the PLY files that they would be.
+    pub meshes: BTreeMap<String, Arc<TriangleMesh>>,
+}
+
+impl Generated {
+    /// Whether something of this name was made.
+    pub fn contains(&self, name: &str) -> bool {
+        self.files.contains_key(name) || self.meshes.contains_key(name)
+    }
+
+    fn names(&self) -> impl Iterator<Item = &String> {
+        self.files.keys().chain(self.meshes.keys())
+    }
+}
 
 impl Bundle {
     /// A bundle of no files: that of a scene which came as a single file.
@@ -41,17 +63,23 @@ impl Bundle {
         Self::Archive(Arc::default())
     }
 
-    /// This bundle and, before its own files, `files` that an importer made, for example meshes of a binary format.
-    pub fn with_generated(self, files: Files) -> Self {
-        if files.is_empty() { self } else { Self::Generated(Arc::new(files), Box::new(self)) }
+    /// This bundle and, before its own files, what an importer made.
+    pub fn with_generated(self, made: Generated) -> Self {
+        let is_empty = made.names().next().is_none();
+        if is_empty { self } else { Self::Generated(Arc::new(made), Box::new(self)) }
     }
 
-    /// The files that an importer made; they stand neither in the folder nor in the archive that the scene came from.
-    pub fn generated(&self) -> Option<&Files> {
+    /// What an importer made; it stands neither in the folder nor in the archive that the scene came from.
+    pub fn generated(&self) -> Option<&Generated> {
         match self {
-            Self::Generated(files, _) => Some(files),
+            Self::Generated(made, _) => Some(made),
             Self::Folder(_) | Self::Archive(_) => None,
         }
+    }
+
+    /// The mesh of this name that an importer made, if there is one.
+    pub fn mesh(&self, name: &str) -> Option<Arc<TriangleMesh>> {
+        self.generated()?.meshes.get(name).cloned()
     }
 
     /// Unpacks a zip archive in memory. A single folder round everything is taken off. `archive` is the place that
@@ -92,7 +120,7 @@ impl Bundle {
         Ok(Self::Archive(Arc::new(without_common_folder(files))))
     }
 
-    /// The bytes of file `name`, which is referred to at `location`.
+    /// The bytes of file `name`, which is referred to at `location`; of a mesh that an importer made those of a PLY file.
     ///
     /// # Errors
     /// When `name` is absolute or leads out of the bundle, also through a symbolic link; when there is no such file,
@@ -100,9 +128,10 @@ impl Bundle {
     pub fn read(&self, name: &str, location: &Location) -> Result<Arc<[u8]>, SceneError> {
         let name = checked_name(name, location)?;
         match self {
-            Self::Generated(files, origin) => match files.get(&name) {
-                Some(content) => Ok(content.clone()),
-                None => origin.read(&name, location),
+            Self::Generated(made, origin) => match (made.files.get(&name), made.meshes.get(&name)) {
+                (Some(content), _) => Ok(content.clone()),
+                (None, Some(mesh)) => Ok(ply::write(mesh).into()),
+                (None, None) => origin.read(&name, location),
             },
             Self::Archive(files) => files.get(&name).cloned().ok_or_else(|| self.missing(&name, location)),
             Self::Folder(folder) => match folder.join(&name).canonicalize() {
@@ -117,7 +146,7 @@ impl Bundle {
     pub fn names(&self) -> BTreeSet<String> {
         match self {
             Self::Archive(files) => files.keys().cloned().collect(),
-            Self::Generated(files, origin) => files.keys().cloned().chain(origin.names()).collect(),
+            Self::Generated(made, origin) => made.names().cloned().chain(origin.names()).collect(),
             Self::Folder(folder) => {
                 let mut names = BTreeSet::new();
                 list_folder(folder, "", &mut 4096, &mut names);

@@ -173,7 +173,13 @@ impl<'a> Fields<'a> {
 
     /// All children of a class, in order.
     pub fn children(&mut self, class: PluginClass) -> Vec<&'a Arc<Node>> {
-        std::iter::from_fn(|| self.child(class)).collect()
+        let mut found = Vec::new();
+        for (child, used) in self.node.children.iter().zip(&mut self.used_children) {
+            if child.node.class == class && !std::mem::replace(used, true) {
+                found.push(&child.node);
+            }
+        }
+        found
     }
 
     /// Marks parameters that Mitsuba knows and that change nothing here, so that they are not an error.

@@ -13,11 +13,13 @@ use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::{Primitive, SHAPES};
+use super::geometry::surface::SEEN_ONLY;
 use super::geometry::{Geometry, Interaction, Ray, Shape};
-use super::light::{self, AreaLight, Light, LightTable, Place, Surroundings, area};
+use super::light::area::{self, Emission};
+use super::light::{self, AreaLight, Light, LightTable, Place, Surroundings};
 use super::material::{self, Lobes, Material, TransportMode, View};
 use super::relief::{self, Relief};
-use super::texture::{Texture, TextureReader};
+use super::texture::TextureReader;
 use crate::math::{Rgb, Vec2, Vec3};
 use instancing::Instancing;
 
@@ -62,8 +64,10 @@ struct Builder<'a> {
     bundle: &'a Bundle,
     textures: TextureReader<'a>,
     shapes: Vec<(Shape, ShapeGeometry)>,
-    /// Index of a shape and the radiance of the light on it.
-    area_lights: Vec<(usize, Texture)>,
+    /// Index of a shape and what it emits.
+    area_lights: Vec<(usize, Emission)>,
+    /// What is seen and lights nothing.
+    seen_only: Vec<Emission>,
     materials: Vec<Material>,
     /// As many as materials.
     reliefs: Vec<Option<Relief>>,
@@ -101,7 +105,8 @@ impl Scene {
         if builder.shapes.is_empty() && builder.instancing.is_empty() {
             return Err(SceneError::new(&root.location, "the scene has no shapes", "add at least one <shape>"));
         }
-        let Builder { mut textures, shapes, area_lights, materials, mut reliefs, instancing, notices, .. } = builder;
+        let Builder { mut textures, shapes, area_lights, seen_only, materials, .. } = builder;
+        let (mut reliefs, instancing, notices) = (builder.reliefs, builder.instancing, builder.notices);
         if reliefs.iter().all(Option::is_none) {
             reliefs.clear();
         }
@@ -109,7 +114,7 @@ impl Scene {
         let mut geometry = instancing.add_to(geometry);
         let mut lights = Vec::new();
         place_area_lights(&mut geometry, &members, area_lights, &mut lights);
-        let lights = light_table(&geometry, lights, &emitters, &mut textures, description)?;
+        let lights = light_table(&geometry, lights, &emitters, &mut textures, description)?.with_seen_only(seen_only);
         check_view(&camera, &geometry, &materials, sensor)?;
         let Film { width, height, .. } = film;
         let (geometry, lights) = (Arc::new(geometry), Arc::new(lights));
@@ -213,6 +218,7 @@ impl<'a> Builder<'a> {
             textures: TextureReader::new(bundle),
             shapes: Vec::new(),
             area_lights: Vec::new(),
+            seen_only: Vec::new(),
             materials: Vec::new(),
             reliefs: Vec::new(),
             material_of_node: HashMap::new(),
@@ -225,16 +231,16 @@ impl<'a> Builder<'a> {
         if instancing::PLUGINS.contains(&node.plugin.as_str()) {
             return self.add_instancing(node);
         }
-        let (shape, geometry, radiance) = self.read_shape(node)?;
-        if let Some(radiance) = radiance {
-            self.area_lights.push((self.shapes.len(), radiance));
+        let (shape, geometry, emission) = self.read_shape(node)?;
+        if let Some(emission) = emission {
+            self.area_lights.push((self.shapes.len(), emission));
         }
         self.shapes.push((shape, geometry));
         Ok(())
     }
 
-    /// A shape that is made of primitives, and the radiance of the light on it.
-    fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Texture>), SceneError> {
+    /// A shape that is made of primitives, and what it emits.
+    fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Emission>), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
             let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).collect();
             let problem = format!("there is no shape \"{}\"", node.plugin);
@@ -250,9 +256,15 @@ impl<'a> Builder<'a> {
         let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
-        let emitter = emitter.filter(|radiance| radiance.range()[1] != Rgb::ZERO);
-        let needs_uv = needs_uv || emitter.as_ref().is_some_and(Texture::varies);
-        Ok((Shape { needs_uv, ..Shape::new(material) }, geometry, emitter))
+        let emitter = emitter.filter(|emission| emission.radiance.range()[1] != Rgb::ZERO);
+        let needs_uv = needs_uv || emitter.as_ref().is_some_and(|emission| emission.radiance.varies());
+        let mut shape = Shape { needs_uv, ..Shape::new(material) };
+        if let Some(shown) = emitter.as_ref().filter(|emission| emission.seen_only) {
+            shape.light = SEEN_ONLY + self.seen_only.len() as u32;
+            self.seen_only.push(shown.clone());
+            return Ok((shape, geometry, None));
+        }
+        Ok((shape, geometry, emitter))
     }
 
     /// A shape must have area, in numbers that single precision can hold.
@@ -263,6 +275,7 @@ impl<'a> Builder<'a> {
             return Err(SceneError::new(&node.location, problem, "check its size and its to_world"));
         }
         check_reach(node, geometry.primitives.iter().map(Primitive::bounds))?;
+        self.notices.extend(geometry.notices.iter().map(|notice| format!("{}: {notice}", node.location)));
         if geometry.degenerate > 0 {
             self.notices
                 .push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
@@ -294,7 +307,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
+fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
     if node.plugin != "area" {
         let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
         return Err(SceneError::new(
@@ -304,20 +317,20 @@ fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Text
         ));
     }
     let mut fields = Fields::new(node);
-    let radiance = area::read_radiance(&mut fields, textures)?;
+    let emission = area::read(&mut fields, textures)?;
     fields.finish()?;
-    Ok(radiance)
+    Ok(emission)
 }
 
 /// Turns the shapes that emit into lights.
 fn place_area_lights(
     geometry: &mut Geometry,
     members: &[Vec<u32>],
-    area_lights: Vec<(usize, Texture)>,
+    area_lights: Vec<(usize, Emission)>,
     lights: &mut Vec<Light>,
 ) {
-    for (shape, radiance) in area_lights {
-        if let Some(light) = AreaLight::new(radiance, members[shape].clone(), geometry) {
+    for (shape, emission) in area_lights {
+        if let Some(light) = AreaLight::new(emission, members[shape].clone(), geometry) {
             geometry.set_light(shape, lights.len() as u32);
             lights.push(Light::AreaLight(light));
         }

@@ -127,7 +127,7 @@ impl CameraWalk {
         counters.rays += 1;
         let found = scene.intersect(&self.ray);
         let emitted = match &found {
-            Some(hit) => scene.lights.emitted(&scene.geometry, &self.place, hit),
+            Some(hit) => scene.lights.emitted(&scene.geometry, &self.place, hit, self.is_seen()),
             None => scene.lights.environment(&self.place, self.ray.direction),
         };
         if let Some((emitted, light_pdf)) = emitted {
@@ -137,6 +137,11 @@ impl CameraWalk {
         self.path_length += hit.distance;
         let Self { throughput, segments, path_length, .. } = *self;
         Some(GatherPoint { hit, throughput, segments, path_length, lobes: Lobes::ALL, goes_on: false })
+    }
+
+    /// Whether nothing but specular surfaces lie between the next vertex and the camera.
+    fn is_seen(&self) -> bool {
+        matches!(self.emission, SeenEmission::Full)
     }
 
     fn emission_share(&self, light_pdf: f32) -> f32 {

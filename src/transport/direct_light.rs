@@ -71,7 +71,7 @@ fn sample_material(scene: &Scene, point: &GatherPoint, random: &PathRandom, coun
     counters.rays += 1;
     let place = scene.place(hit);
     let arriving = match scene.intersect(&ray) {
-        Some(next) => scene.lights.emitted(&scene.geometry, &place, &next),
+        Some(next) => scene.lights.emitted(&scene.geometry, &place, &next, false),
         None => scene.lights.environment(&place, ray.direction),
     };
     match arriving {

@@ -66,13 +66,14 @@ pub(super) use shared::{JobRecord, Shared, blocking};
 use super::access::caller::Caller;
 use super::error::FarmError;
 use super::ids::JobId;
-use super::job::{Changes, IdempotencyKey, JobFilter, JobRequest, JobStatus, StopRule, WorkerStatus};
+use super::job::{Changes, IdempotencyKey, JobFilter, JobRequest, JobStatus, SceneChanges, StopRule, WorkerStatus};
 use super::rules::Event;
 use super::rules::terms::ErrorPoint;
 use super::store::Store;
 use super::store::journal::JournalRow;
 use crate::estimate::Picture;
 use crate::estimate::picture_files::{Layer, PictureLayer};
+use crate::import::changes::with_changes;
 
 /// The door to a running coordinator. Cheap to clone; all clones speak to the same one.
 #[derive(Clone)]
@@ -134,6 +135,14 @@ impl CoordinatorHandle {
     /// The bytes of an uploaded scene, as they came.
     pub async fn scene_bytes(&self, hash: &str) -> Result<Bytes, FarmError> {
         self.shared.scene_bytes(hash).await
+    }
+
+    /// A scene's bytes with `changes` packed beside it.
+    ///
+    /// # Errors
+    /// When the bytes are no scene.
+    pub async fn changed(&self, bytes: Bytes, changes: SceneChanges) -> Result<Vec<u8>, FarmError> {
+        blocking(move || Ok(with_changes(&bytes, &changes)?)).await
     }
 
     /// Checks a request and queues the job; answers its id. Nothing is traced before the answer.

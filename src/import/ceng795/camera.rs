@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DVec3};
 
+use super::super::changes;
 use super::super::draft::Draft;
 use super::super::notices::Notices;
 use super::super::transform;
@@ -36,15 +37,20 @@ const MOST_SAMPLES: i64 = 64;
 pub(super) struct Camera<'a>(Element<'a>);
 
 impl<'a> Camera<'a> {
-    /// The first camera of the scene.
-    pub(super) fn find(scene: &Element<'a>, notices: &mut Notices) -> Result<Self, SceneError> {
+    /// The camera of the `wanted` id or index, else the first.
+    pub(super) fn find(scene: &Element<'a>, wanted: Option<&str>, notices: &mut Notices) -> Result<Self, SceneError> {
         let list = scene.required("Cameras")?;
         list.report_unknown(&["Camera"], &[], notices);
-        let mut cameras = list.all("Camera");
-        let camera = cameras.next().ok_or_else(|| list.error("<Cameras> has no <Camera>", "add one"))?;
-        if let Some(second) = cameras.next() {
+        let mut cameras: Vec<Element<'a>> = list.all("Camera").collect();
+        if cameras.is_empty() {
+            return Err(list.error("<Cameras> has no <Camera>", "add one"));
+        }
+        let names: Vec<&str> = cameras.iter().map(|camera| camera.attribute("id").unwrap_or_default()).collect();
+        let chosen = changes::choose(&names, wanted, &list.location())?;
+        if let (None, Some(second)) = (wanted, cameras.get(1)) {
             notices.add(Notice::ignored(&second.location(), "all cameras but the first", ""));
         }
+        let camera = cameras.swap_remove(chosen);
         camera.report_unknown(&TAGS, &["type", "handedness"], notices);
         Ok(Self(camera))
     }

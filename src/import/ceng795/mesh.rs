@@ -1,14 +1,14 @@
-//! Triangles of the file as PLY files in memory.
+//! Triangles of the file as meshes.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::super::ply_bytes::ply;
 use super::super::values::shown;
 use super::element::Element;
 use crate::scene::error::SceneError;
+use crate::scene::geometry::TriangleMesh;
 
 /// How many quadrilaterals go round a sphere that is scaled unevenly, and half as many from pole to pole.
 const AROUND: u32 = 96;
@@ -58,7 +58,7 @@ impl Vertices {
     }
 
     /// The triangles whose indices stand in `element`, with the vertices that they use in the order of their first use.
-    pub(super) fn triangles(&self, element: &Element<'_>) -> Result<Triangles, SceneError> {
+    pub(super) fn triangles(&self, element: &Element<'_>) -> Result<TriangleMesh, SceneError> {
         refuse_binary(element)?;
         let offset = match element.attribute("vertexOffset") {
             Some(text) => text.parse::<i32>().map(i64::from).map_err(|_| {
@@ -76,7 +76,7 @@ impl Vertices {
                 (format!("there is no vertex {}", shown(word)), remedy)
             })?;
             corners.push(*place_of.entry(index).or_insert_with(|| {
-                positions.push(*position);
+                positions.push(position.to_array());
                 positions.len() as u32 - 1
             }));
             Ok(())
@@ -86,25 +86,7 @@ impl Vertices {
             return Err(element.error(problem, "write three for every triangle, and at least one triangle"));
         }
         let triangles = corners.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]).collect();
-        Ok(Triangles { positions, triangles })
-    }
-}
-
-/// Positions and counter-clockwise triangles.
-pub(super) struct Triangles {
-    positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-}
-
-impl Triangles {
-    /// How many there are.
-    pub(super) fn count(&self) -> usize {
-        self.triangles.len()
-    }
-
-    /// The bytes of a PLY file without normals.
-    pub(super) fn ply(&self) -> Vec<u8> {
-        ply(&self.positions, &[], &self.triangles)
+        Ok(TriangleMesh { positions, triangles, ..TriangleMesh::default() })
     }
 }
 
@@ -115,16 +97,16 @@ fn refuse_binary(element: &Element<'_>) -> Result<(), SceneError> {
     }
 }
 
-/// The PLY file of a unit sphere, and how many triangles it has.
-pub(super) fn unit_sphere() -> (Vec<u8>, usize) {
+/// A unit sphere.
+pub(super) fn unit_sphere() -> TriangleMesh {
     let half = AROUND / 2;
     let corner = |row: u32, column: u32| {
         let (sine, cosine) = libm::sincos(PI * f64::from(row) / f64::from(half));
         let (y, x) = libm::sincos(2.0 * PI * f64::from(column % AROUND) / f64::from(AROUND));
-        DVec3::new(sine * x, sine * y, cosine).as_vec3()
+        DVec3::new(sine * x, sine * y, cosine).as_vec3().to_array()
     };
     let corners = (0..=half).flat_map(|row| (0..=AROUND).map(move |column| (row, column)));
-    let positions: Vec<Vec3> = corners.map(|(row, column)| corner(row, column)).collect();
+    let positions: Vec<[f32; 3]> = corners.map(|(row, column)| corner(row, column)).collect();
     let faces = (0..half).flat_map(|row| (0..AROUND).map(move |column| (row, row * (AROUND + 1) + column)));
     let mut triangles = Vec::new();
     for (row, above) in faces {
@@ -137,5 +119,5 @@ pub(super) fn unit_sphere() -> (Vec<u8>, usize) {
             triangles.push([above, below + 1, above + 1]);
         }
     }
-    (ply(&positions, &positions, &triangles), triangles.len())
+    TriangleMesh { normals: positions.clone(), positions, triangles, ..TriangleMesh::default() }
 }

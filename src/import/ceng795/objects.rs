@@ -12,7 +12,7 @@ use super::element::Element;
 use super::material::Materials;
 use super::mesh::{Vertices, unit_sphere};
 use super::transformation::Transformations;
-use crate::scene::bundle::Files;
+use crate::scene::bundle::Generated;
 use crate::scene::description::PluginClass;
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::notice::Notice;
@@ -45,8 +45,8 @@ pub(super) struct Objects<'a> {
     triangles: usize,
     /// The shapes so far.
     pub shapes: Vec<Draft>,
-    /// The mesh files that they refer to.
-    pub files: Files,
+    /// The meshes that they refer to.
+    pub made: Generated,
 }
 
 impl<'a> Objects<'a> {
@@ -65,7 +65,7 @@ impl<'a> Objects<'a> {
             groups: HashSet::new(),
             triangles: 0,
             shapes: Vec::new(),
-            files: Files::new(),
+            made: Generated::default(),
         })
     }
 
@@ -124,14 +124,15 @@ impl<'a> Objects<'a> {
         Ok((shape.with_flag("face_normals", flat), triangles))
     }
 
-    /// The triangles whose indices stand in `indices` as a file of their own.
+    /// The triangles whose indices stand in `indices` as a mesh of their own.
     fn generated(&mut self, object: &Element<'_>, indices: &Element<'_>) -> Result<(Draft, usize), SceneError> {
         let triangles = self.vertices.triangles(indices)?;
-        self.count(triangles.count(), object)?;
-        let name = format!("generated/mesh-{}.ply", self.files.len());
-        self.files.insert(name.clone(), triangles.ply().into());
+        let count = triangles.triangles.len();
+        self.count(count, object)?;
+        let name = format!("generated/mesh-{}.ply", self.made.meshes.len());
+        self.made.meshes.insert(name.clone(), triangles.into());
         let shape = Draft::new(PluginClass::Shape, "ply", &object.location()).with_text("filename", &name);
-        Ok((shape, triangles.count()))
+        Ok((shape, count))
     }
 
     fn count(&mut self, triangles: usize, object: &Element<'_>) -> Result<(), SceneError> {
@@ -202,12 +203,13 @@ impl<'a> Objects<'a> {
         if radius <= 0.0 {
             return Err(object.error(format!("the radius is {radius}"), "write a number above 0"));
         }
-        let (bytes, triangles) = unit_sphere();
+        let sphere = unit_sphere();
+        let triangles = sphere.triangles.len();
         self.count(triangles, object)?;
         let explanation = format!("a mesh of {triangles} triangles with smooth normals takes its place");
         self.notices.add(Notice::approximated(&location, "an ellipsoid", explanation));
         let name = "generated/unit-sphere.ply";
-        self.files.entry(name.to_owned()).or_insert_with(|| bytes.into());
+        self.made.meshes.entry(name.to_owned()).or_insert_with(|| sphere.into());
         let placed = to_world * transform::translate(center.to_array()) * transform::scale([radius; 3]);
         let mesh = Draft::new(PluginClass::Shape, "ply", &location).with_text("filename", name);
         Ok(mesh.with_transform("to_world", placed))

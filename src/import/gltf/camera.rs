@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DVec3};
 
+use super::super::changes;
 use super::super::draft::Draft;
 use super::super::transform::look_at;
 use super::Output;
@@ -16,11 +17,44 @@ pub(super) const HALF_TURN: DVec3 = DVec3::new(-1.0, 1.0, -1.0);
 /// The picture that a camera's aspect ratio is fitted into: that of a film without parameters, pixels.
 const FILM: [f64; 2] = [768.0, 576.0];
 
+/// A camera, and where a node has it.
+pub(super) struct CameraNode<'a> {
+    /// The node's, or else the camera's.
+    pub name: &'a str,
+    pub location: Location,
+    pub camera: Entry<'a>,
+    pub to_world: DMat4,
+}
+
+/// The camera of the `wanted` name or index, else the first that can be rendered; nothing when there is none.
+///
+/// # Errors
+/// When the wanted one is not there, and on numbers that no camera can have.
+pub(super) fn choose(
+    cameras: &[CameraNode<'_>],
+    wanted: Option<&str>,
+    location: &Location,
+    output: &mut Output,
+) -> Result<Option<Draft>, SceneError> {
+    let names: Vec<&str> = cameras.iter().map(|camera| camera.name).collect();
+    let first = changes::choose(&names, wanted, location)?;
+    let candidates = cameras.get(first..).unwrap_or_default();
+    let mut sensor = None;
+    for CameraNode { camera, to_world, location, .. } in if wanted.is_some() { &candidates[..1] } else { candidates } {
+        if sensor.is_some() {
+            output.notices.add(Notice::ignored(location, "a camera", "the first camera of the scene is used"));
+        } else {
+            sensor = read(camera, *to_world, output)?;
+        }
+    }
+    Ok(sensor)
+}
+
 /// A camera at a node; nothing when it is not a perspective one, which is reported.
 ///
 /// # Errors
 /// On angles and aspect ratios that no camera can have.
-pub(super) fn read(camera: &Entry<'_>, to_world: DMat4, output: &mut Output) -> Result<Option<Draft>, SceneError> {
+fn read(camera: &Entry<'_>, to_world: DMat4, output: &mut Output) -> Result<Option<Draft>, SceneError> {
     let Some(lens) = camera.child("perspective")? else {
         let explanation = "only perspective cameras are supported";
         output.notices.add(Notice::ignored(&camera.location(), "an orthographic camera", explanation));

@@ -5,8 +5,10 @@ use std::rc::Rc;
 
 use super::super::draft::Draft;
 use super::entry::Entry;
+use super::mesh::Wish;
 use super::texture::{Images, Meaning, Slot, Textures};
-use super::{Input, Output, extensions, specular_glossiness};
+use super::transmission::{Transmission, thin_wall};
+use super::{Input, Output, extensions, specular_glossiness, unlit};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::SceneError;
 use crate::scene::notice::Notice;
@@ -20,8 +22,8 @@ pub(super) struct Material {
     pub id: String,
     /// The area light of every shape that has it.
     pub emitter: Option<Draft>,
-    /// The set of texture coordinates that its textures use.
-    pub texture_coordinates: usize,
+    /// What its textures want of meshes.
+    pub wish: Wish,
 }
 
 /// The materials that shapes have used so far.
@@ -51,6 +53,11 @@ impl Materials {
         }
         let mut textures = Textures { input, output, images: &mut self.images, set: None };
         let (mut bsdf, emitter, id) = match &reference {
+            Some((index, entry)) if unlit::is_unlit(entry)? => {
+                extensions::report_unread(entry, textures.output)?;
+                let (black, emitter) = unlit::read(entry, &mut textures)?;
+                (black, Some(emitter), format!("material_{index}"))
+            }
             Some((index, entry)) => {
                 (surface(entry, &mut textures)?, light(entry, &mut textures)?, format!("material_{index}"))
             }
@@ -60,7 +67,9 @@ impl Materials {
             }
         };
         bsdf.id.clone_from(&id);
-        let made = Rc::new(Material { id, emitter, texture_coordinates: textures.set.unwrap_or(0) });
+        let has_normal_map = reference.as_ref().is_some_and(|(_, material)| material.has("normalTexture"));
+        let wish = Wish { texture_coordinates: textures.set.unwrap_or(0), tangents: has_normal_map };
+        let made = Rc::new(Material { id, emitter, wish });
         self.plugins.push(bsdf);
         self.made.insert(key, made.clone());
         Ok(made)
@@ -92,7 +101,11 @@ impl Default for Base {
 }
 
 impl Base {
-    fn read<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Self, SceneError> {
+    /// Reads them.
+    ///
+    /// # Errors
+    /// On factors out of range and textures that refer to nothing.
+    pub(super) fn read<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Self, SceneError> {
         if let Some(extension) = material.extension("KHR_materials_pbrSpecularGlossiness")? {
             return specular_glossiness::read(&extension, textures);
         }
@@ -116,10 +129,28 @@ impl Base {
     }
 
     /// Gives them to a `principled` bsdf. Mitsuba squares the roughness as glTF does.
-    fn put(self, bsdf: Draft) -> Draft {
-        let bsdf = Slot::product(self.color_texture, Value::Rgb(self.color)).put(bsdf, "base_color");
-        let bsdf = self.metallic.put(bsdf, "metallic");
-        self.roughness.put(bsdf, "roughness")
+    fn put(&self, bsdf: Draft) -> Draft {
+        let bsdf = Slot::product(self.color_texture.clone(), Value::Rgb(self.color)).put(bsdf, "base_color");
+        let bsdf = self.metallic.clone().put(bsdf, "metallic");
+        self.roughness.clone().put(bsdf, "roughness")
+    }
+}
+
+/// A bsdf of one side, and whether its material shows it on both.
+pub(super) struct Sided {
+    bsdf: Draft,
+    both: bool,
+}
+
+impl Sided {
+    /// The bsdf of both sides; that the back is black otherwise, is told.
+    pub(super) fn told(self, material: &Entry<'_>, textures: &mut Textures<'_, '_>) -> Draft {
+        if self.both {
+            return Draft::new(PluginClass::Bsdf, "twosided", &material.location()).with_child("", self.bsdf);
+        }
+        let explanation = "its back is black where glTF draws nothing";
+        textures.output.notices.add(Notice::approximated(&material.location(), "a single-sided material", explanation));
+        self.bsdf
     }
 }
 
@@ -130,32 +161,32 @@ fn surface<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<
         return Ok(glass);
     }
     let mut base = Base::read(material, textures)?;
-    let mut report = |notice: Notice| textures.output.notices.add(notice);
-    if material.extension("KHR_materials_unlit")?.is_some() {
-        let zero = || Slot::Value(Value::Float(0.0));
-        base = Base { metallic: zero(), roughness: Slot::Value(Value::Float(1.0)), ..base };
-        report(Notice::approximated(&material.location(), "an unlit material", "it is lit like any other"));
-    }
     if material.has("occlusionTexture") {
         let explanation = "occlusion follows from the light itself";
-        report(Notice::ignored(&material.location(), "an occlusion texture", explanation));
+        textures.output.notices.add(Notice::ignored(&material.location(), "an occlusion texture", explanation));
     }
     let opacity = opacity(material, &mut base, textures)?;
     let mut bsdf = base.put(Draft::new(PluginClass::Bsdf, "principled", &material.location()));
-    let transmissive;
-    (bsdf, transmissive) = transmission(material, bsdf, textures)?;
-    bsdf = interface(material, bsdf, transmissive, textures)?;
-    bsdf = clearcoat(material, bsdf, textures)?;
-    bsdf = bumps(material, bsdf, textures)?;
-    if !transmissive {
-        if material.flag("doubleSided")? {
-            bsdf = Draft::new(PluginClass::Bsdf, "twosided", &material.location()).with_child("", bsdf);
-        } else {
-            let explanation = "its back is black where glTF draws nothing";
-            let notice = Notice::approximated(&material.location(), "a single-sided material", explanation);
-            textures.output.notices.add(notice);
+    let transmission = Transmission::read(material, &base, textures)?;
+    let both = material.flag("doubleSided")?;
+    bsdf = match transmission {
+        Transmission::None => {
+            bsdf = interface(material, bsdf, false, textures)?;
+            bsdf = clearcoat(material, bsdf, textures)?;
+            Sided { bsdf: bumps(material, bsdf, textures)?, both }.told(material, textures)
         }
-    }
+        Transmission::Solid(share) => {
+            bsdf = interface(material, share.put(bsdf, "spec_trans"), true, textures)?;
+            bsdf = clearcoat(material, bsdf, textures)?;
+            bumps(material, bsdf, textures)?
+        }
+        Transmission::Thin(share) => {
+            bsdf = interface(material, bsdf, false, textures)?;
+            bsdf = clearcoat(material, bsdf, textures)?;
+            let wall = thin_wall(material, share, &base, Sided { bsdf, both }, textures)?;
+            bumps(material, wall, textures)?
+        }
+    };
     Ok(match opacity {
         Some(opacity) => {
             let mask = Draft::new(PluginClass::Bsdf, "mask", &material.location());
@@ -192,37 +223,6 @@ fn opacity(material: &Entry<'_>, base: &mut Base, textures: &mut Textures<'_, '_
     })
 }
 
-/// KHR_materials_transmission and KHR_materials_volume; also says whether light passes.
-fn transmission<'a>(
-    material: &Entry<'a>,
-    bsdf: Draft,
-    textures: &mut Textures<'_, 'a>,
-) -> Result<(Draft, bool), SceneError> {
-    let Some(extension) = material.extension("KHR_materials_transmission")? else { return Ok((bsdf, false)) };
-    let factor = extension.number_within("transmissionFactor", 0.0, 0.0, 1.0)?;
-    if factor == 0.0 {
-        return Ok((bsdf, false));
-    }
-    let texture = textures.read(&extension, "transmissionTexture", Meaning::Channel("r"))?;
-    let bsdf = Slot::product(texture, Value::Float(factor)).put(bsdf, "spec_trans");
-    let volume = material.extension("KHR_materials_volume")?;
-    let thickness =
-        volume.as_ref().map_or(Ok(0.0), |volume| volume.number_within("thicknessFactor", 0.0, 0.0, f64::INFINITY))?;
-    let mut report = |notice: Notice| textures.output.notices.add(notice);
-    if thickness == 0.0 {
-        let explanation = "the surface refracts as that of a solid does";
-        report(Notice::approximated(&material.location(), "transmission through a thin wall", explanation));
-    }
-    if let Some(volume) = volume.filter(|volume| thickness > 0.0 && volume.has("attenuationDistance")) {
-        let color = volume.color("attenuationColor", [1.0; 3])?;
-        if color != [1.0; 3] {
-            let explanation = "the inside of the solid is clear; only the surface has a color";
-            report(Notice::ignored(&volume.location(), "the attenuation of a volume", explanation));
-        }
-    }
-    Ok((bsdf, true))
-}
-
 /// The index of refraction, and KHR_materials_specular as one.
 fn interface<'a>(
     material: &Entry<'a>,
@@ -230,16 +230,8 @@ fn interface<'a>(
     transmissive: bool,
     textures: &mut Textures<'_, 'a>,
 ) -> Result<Draft, SceneError> {
-    let mut index = match material.extension("KHR_materials_ior")? {
-        Some(extension) => extension.number_within("ior", DEFAULT_INDEX, 0.0, f64::INFINITY)?,
-        None => DEFAULT_INDEX,
-    };
+    let index = index_of_refraction(material, textures)?;
     let mut report = |notice: Notice| textures.output.notices.add(notice);
-    if index < 1.0 {
-        let explanation = format!("{DEFAULT_INDEX} is used");
-        report(Notice::approximated(&material.location(), "an index of refraction below 1", explanation));
-        index = DEFAULT_INDEX;
-    }
     let Some(extension) = material.extension("KHR_materials_specular")? else {
         return Ok(bsdf.with("eta", Value::Float(index)));
     };
@@ -265,6 +257,22 @@ fn interface<'a>(
     }
     let root = (root * strength.sqrt()).min(0.95);
     Ok(bsdf.with("eta", Value::Float((1.0 + root) / (1.0 - root))))
+}
+
+/// KHR_materials_ior.
+///
+/// # Errors
+/// On an index that is negative or no number.
+pub(super) fn index_of_refraction(material: &Entry<'_>, textures: &mut Textures<'_, '_>) -> Result<f64, SceneError> {
+    let Some(extension) = material.extension("KHR_materials_ior")? else { return Ok(DEFAULT_INDEX) };
+    let index = extension.number_within("ior", DEFAULT_INDEX, 0.0, f64::INFINITY)?;
+    if index >= 1.0 {
+        return Ok(index);
+    }
+    let explanation = format!("{DEFAULT_INDEX} is used");
+    let notice = Notice::approximated(&material.location(), "an index of refraction below 1", explanation);
+    textures.output.notices.add(notice);
+    Ok(DEFAULT_INDEX)
 }
 
 fn clearcoat<'a>(material: &Entry<'a>, bsdf: Draft, textures: &mut Textures<'_, 'a>) -> Result<Draft, SceneError> {
@@ -295,10 +303,29 @@ fn clearcoat<'a>(material: &Entry<'a>, bsdf: Draft, textures: &mut Textures<'_, 
 fn bumps<'a>(material: &Entry<'a>, bsdf: Draft, textures: &mut Textures<'_, 'a>) -> Result<Draft, SceneError> {
     let Some(texture) = textures.read(material, "normalTexture", Meaning::Vectors)? else { return Ok(bsdf) };
     let scale = material.child("normalTexture")?.map(|info| info.number("scale")).transpose()?.flatten();
-    if scale.is_some_and(|scale| scale != 1.0) {
-        let explanation = "the normals are used as they are";
-        textures.output.notices.add(Notice::ignored(&texture.location, "the scale of a normal texture", explanation));
-    }
+    let texture = match scale.unwrap_or(1.0) {
+        1.0 => texture,
+        scale if (0.0..1.0).contains(&scale) => {
+            // x and y of the normal, of which the image holds (1 + x)/2, are scaled.
+            let middle = 0.5 * (1.0 - scale);
+            let scaled = Draft::new(PluginClass::Texture, "scale", &texture.location);
+            let scaled = scaled.with_rgb("scale", [scale, scale, 1.0]).with_rgb("offset", [middle, middle, 0.0]);
+            scaled.with_child("texture", texture)
+        }
+        scale if scale > 1.0 => {
+            // The same direction: z is divided instead.
+            let (share, middle) = (1.0 / scale, 0.5 * (1.0 - 1.0 / scale));
+            let scaled = Draft::new(PluginClass::Texture, "scale", &texture.location);
+            let scaled = scaled.with_rgb("scale", [1.0, 1.0, share]).with_rgb("offset", [0.0, 0.0, middle]);
+            scaled.with_child("texture", texture)
+        }
+        _ => {
+            let explanation = "the normals are used as they are";
+            let subject = "the negative scale of a normal texture";
+            textures.output.notices.add(Notice::ignored(&texture.location, subject, explanation));
+            texture
+        }
+    };
     let map = Draft::new(PluginClass::Bsdf, "normalmap", &texture.location);
     Ok(map.with_child("normalmap", texture).with_child("", bsdf))
 }
@@ -314,13 +341,9 @@ fn light<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Op
     if radiance == [0.0; 3] {
         return Ok(None);
     }
-    if material.flag("doubleSided")? {
-        let explanation = "it shines from its front only";
-        let subject = "the light from the back of a double-sided material";
-        textures.output.notices.add(Notice::ignored(&material.location(), subject, explanation));
-    }
     let texture = textures.read(material, "emissiveTexture", Meaning::Color)?;
     let emitter = Draft::new(PluginClass::Emitter, "area", &material.location());
+    let emitter = if material.flag("doubleSided")? { emitter.with_flag("two_sided", true) } else { emitter };
     Ok(Some(Slot::product(texture, Value::Rgb(radiance)).put(emitter, "radiance")))
 }
 

@@ -1,4 +1,4 @@
-//! Mesh primitives become PLY files.
+//! Mesh primitives become meshes.
 
 use std::collections::HashMap;
 
@@ -6,43 +6,60 @@ use glam::DVec3;
 
 use super::accessor::Accessor;
 use super::entry::Entry;
-use super::{GENERATED_FOLDER, Input, Output, extensions};
+use super::{GENERATED_FOLDER, Input, Output, extensions, tangents};
 use crate::scene::error::SceneError;
+use crate::scene::geometry::TriangleMesh;
 use crate::scene::notice::Notice;
 
-/// A primitive as a file of the bundle.
+/// A primitive as a mesh of the bundle.
 #[derive(Clone)]
 pub(super) struct MeshFile {
     pub name: String,
+    /// How many triangles it has.
+    pub triangles: usize,
     /// Whether the primitive has no normals; glTF then wants flat triangles.
     pub flat: bool,
     /// Least and greatest coordinates in the mesh's own space.
     pub bounds: [DVec3; 2],
 }
 
-/// What makes two primitives the same file: mode, indices, positions, normals, texture coordinates.
-type Key = (usize, Option<usize>, usize, Option<usize>, Option<usize>);
+/// What makes two primitives the same mesh.
+#[derive(PartialEq, Eq, Hash)]
+struct Key {
+    mode: usize,
+    accessors: [Option<usize>; 5],
+    wish: Wish,
+}
 
-/// The files of all primitives so far.
+/// What a material wants of a mesh.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) struct Wish {
+    /// The set of texture coordinates.
+    pub texture_coordinates: usize,
+    /// Whether it has a normal map, which needs tangents.
+    pub tangents: bool,
+}
+
+/// The meshes of all primitives so far.
 #[derive(Default)]
 pub(super) struct MeshFiles {
     files: HashMap<Key, Option<MeshFile>>,
 }
 
 impl MeshFiles {
-    /// The file of a primitive with the texture coordinates `set`; nothing when it has no triangles.
+    /// The mesh of a primitive; nothing when it has no triangles.
     ///
     /// # Errors
     /// On accessors that lead out of their buffers, indices out of range, numbers that are not finite.
     pub(super) fn file<'a>(
         &mut self,
         primitive: &Entry<'a>,
-        set: usize,
+        wish: Wish,
         input: &Input<'a>,
         output: &mut Output,
     ) -> Result<Option<MeshFile>, SceneError> {
-        let Some(source) = Primitive::open(primitive, set, input, output)? else { return Ok(None) };
-        let key = (source.mode, source.keys[0], source.keys[1].unwrap_or(0), source.keys[2], source.keys[3]);
+        let Some(source) = Primitive::open(primitive, wish, input, output)? else { return Ok(None) };
+        let key = Key { mode: source.mode, accessors: source.keys, wish };
         if let Some(known) = self.files.get(&key) {
             return Ok(known.clone());
         }
@@ -52,9 +69,13 @@ impl MeshFiles {
             None
         } else {
             let name = format!("{GENERATED_FOLDER}mesh_{}.ply", self.files.len());
-            let (bytes, bounds) = source.ply(&triangles, output)?;
-            output.generated.insert(name.clone(), bytes.into());
-            Some(MeshFile { name, flat: source.normals.is_none(), bounds })
+            let (mut mesh, bounds) = source.mesh(&triangles, output)?;
+            if wish.tangents && mesh.tangents.is_empty() {
+                mesh = tangents::with_tangents(mesh);
+            }
+            let file = MeshFile { triangles: triangles.len(), flat: source.normals.is_none(), bounds, name };
+            output.made.meshes.insert(file.name.clone(), mesh.into());
+            Some(file)
         };
         self.files.insert(key, file.clone());
         Ok(file)
@@ -65,12 +86,13 @@ impl MeshFiles {
 struct Primitive<'a> {
     entry: Entry<'a>,
     mode: usize,
-    /// Indices of the accessors of: indices, positions, normals, texture coordinates.
-    keys: [Option<usize>; 4],
+    /// Indices of the accessors of: indices, positions, normals, texture coordinates, tangents.
+    keys: [Option<usize>; 5],
     indices: Option<Accessor<'a>>,
     positions: Accessor<'a>,
     normals: Option<Accessor<'a>>,
     coordinates: Option<Accessor<'a>>,
+    tangents: Option<Accessor<'a>>,
 }
 
 // Mode 5, between them, is the strip.
@@ -79,8 +101,9 @@ const FAN: usize = 6;
 
 impl<'a> Primitive<'a> {
     /// Opens the accessors; nothing for points, lines, and primitives without positions.
-    fn open(entry: &Entry<'a>, set: usize, input: &Input<'a>, output: &mut Output) -> Result<Option<Self>, SceneError> {
+    fn open(entry: &Entry<'a>, wish: Wish, input: &Input<'a>, output: &mut Output) -> Result<Option<Self>, SceneError> {
         extensions::report_unread(entry, output)?;
+        check_compression(entry, output)?;
         let mode = entry.integer("mode")?.unwrap_or(TRIANGLES);
         let attributes = entry.child("attributes")?;
         let Some(attributes) = attributes.filter(|attributes| attributes.has("POSITION")) else {
@@ -106,18 +129,24 @@ impl<'a> Primitive<'a> {
         let (indices_key, indices) = open(entry, "indices", "SCALAR")?;
         let (positions_key, Some(positions)) = open(&attributes, "POSITION", "VEC3")? else { return Ok(None) };
         let (normals_key, normals) = open(&attributes, "NORMAL", "VEC3")?;
-        let (coordinates_key, coordinates) = open(&attributes, &format!("TEXCOORD_{set}"), "VEC2")?;
+        let set = format!("TEXCOORD_{}", wish.texture_coordinates);
+        let (coordinates_key, coordinates) = open(&attributes, &set, "VEC2")?;
+        // glTF passes tangents over where it makes the normals.
+        let (tangents_key, tangents) = match wish.tangents && normals.is_some() {
+            true => open(&attributes, "TANGENT", "VEC4")?,
+            false => (None, None),
+        };
         if indices.as_ref().is_some_and(|indices| !indices.holds_indices()) {
             return Err(entry.error("the indices are not whole numbers without a sign", "export the scene again"));
         }
-        for other in [&normals, &coordinates].into_iter().flatten() {
+        for other in [&normals, &coordinates, &tangents].into_iter().flatten() {
             if other.count() != positions.count() {
                 let problem = format!("{} positions, but {} of another attribute", positions.count(), other.count());
                 return Err(attributes.error(problem, "export the scene again"));
             }
         }
-        let keys = [indices_key, positions_key, normals_key, coordinates_key];
-        Ok(Some(Self { entry: entry.clone(), mode, keys, indices, positions, normals, coordinates }))
+        let keys = [indices_key, positions_key, normals_key, coordinates_key, tangents_key];
+        Ok(Some(Self { entry: entry.clone(), mode, keys, indices, positions, normals, coordinates, tangents }))
     }
 
     /// The vertices of all triangles, in range.
@@ -149,8 +178,8 @@ impl<'a> Primitive<'a> {
         Ok((0..count.saturating_sub(2)).map(triangle).filter(has_area).collect())
     }
 
-    /// A binary PLY of the vertices that `triangles` use, and its bounds.
-    fn ply(&self, triangles: &[[u32; 3]], output: &mut Output) -> Result<(Vec<u8>, [DVec3; 2]), SceneError> {
+    /// The mesh of the vertices that `triangles` use, and its bounds.
+    fn mesh(&self, triangles: &[[u32; 3]], output: &mut Output) -> Result<(TriangleMesh, [DVec3; 2]), SceneError> {
         // Some exporters let many primitives use parts of one long list of vertices.
         let mut vertices = Vec::new();
         let mut places: HashMap<u32, u32> = HashMap::new();
@@ -160,58 +189,73 @@ impl<'a> Primitive<'a> {
                 vertices.len() as u32 - 1
             })
         };
-        let faces: Vec<[u32; 3]> = triangles.iter().map(|corners| corners.map(&mut place)).collect();
-        let optional = [("nx ny nz", self.normals.is_some()), ("u v", self.coordinates.is_some())];
-        let components = optional.iter().filter(|(_, given)| *given).map(|(names, _)| *names);
-        let names: Vec<&str> = ["x y z"].into_iter().chain(components).flat_map(|names| names.split(' ')).collect();
-        output.budget.take((vertices.len() * names.len() * 4 + faces.len() * 13) as u64, &self.entry)?;
-        let mut bytes = header(vertices.len(), &names, faces.len()).into_bytes();
-        let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
-        for vertex in &vertices {
-            let position = DVec3::from_array(self.write(&self.positions, *vertex, "POSITION", &mut bytes)?);
-            bounds = [bounds[0].min(position), bounds[1].max(position)];
-            if let Some(normals) = &self.normals {
-                self.write::<3>(normals, *vertex, "NORMAL", &mut bytes)?;
-            }
-            if let Some(coordinates) = &self.coordinates {
-                self.write::<2>(coordinates, *vertex, "TEXCOORD", &mut bytes)?;
-            }
-        }
-        for corners in faces {
-            bytes.push(3);
-            bytes.extend(corners.iter().flat_map(|corner| corner.to_le_bytes()));
-        }
-        Ok((bytes, bounds))
+        let triangles: Vec<[u32; 3]> = triangles.iter().map(|corners| corners.map(&mut place)).collect();
+        let mut mesh = TriangleMesh {
+            positions: self.all(Some(&self.positions), &vertices, "POSITION")?,
+            normals: self.all(self.normals.as_ref(), &vertices, "NORMAL")?,
+            texture_coordinates: self.all(self.coordinates.as_ref(), &vertices, "TEXCOORD")?,
+            tangents: self.all(self.tangents.as_ref(), &vertices, "TANGENT")?,
+            triangles,
+            face_normals: false,
+        };
+        // Whatever is not negative is a right hand.
+        mesh.tangents.iter_mut().for_each(|[.., sign]| *sign = if *sign < 0.0 { -1.0 } else { 1.0 });
+        output.budget.take(mesh.size() as u64, &self.entry)?;
+        let positions = mesh.positions.iter().map(|position| DVec3::from_array(position.map(f64::from)));
+        let bounds = positions.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[least, most], position| {
+            [least.min(position), most.max(position)]
+        });
+        Ok((mesh, bounds))
     }
 
-    /// Appends an element of an attribute in single precision.
-    fn write<const N: usize>(
+    /// Elements of an attribute in single precision; none without the attribute.
+    fn all<const N: usize>(
         &self,
-        accessor: &Accessor<'_>,
-        vertex: u32,
+        accessor: Option<&Accessor<'_>>,
+        vertices: &[u32],
         name: &str,
-        bytes: &mut Vec<u8>,
-    ) -> Result<[f64; N], SceneError> {
-        let numbers = accessor.vector::<N>(vertex as usize);
-        if numbers.iter().all(|number| number.is_finite()) {
-            bytes.extend(numbers.iter().flat_map(|number| (*number as f32).to_le_bytes()));
-            return Ok(numbers);
+    ) -> Result<Vec<[f32; N]>, SceneError> {
+        let Some(accessor) = accessor else { return Ok(Vec::new()) };
+        let mut elements = Vec::with_capacity(vertices.len());
+        for vertex in vertices {
+            let numbers = accessor.vector::<N>(*vertex as usize);
+            if !numbers.iter().all(|number| number.is_finite()) {
+                let attributes = self.entry.get("attributes");
+                let place = attributes.and_then(|attributes| attributes.get(name));
+                let place = place.unwrap_or_else(|| self.entry.clone());
+                return Err(place.error(format!("{name} of vertex {vertex} is not finite"), "repair the mesh"));
+            }
+            elements.push(numbers.map(|number| number as f32));
         }
-        let attributes = self.entry.get("attributes");
-        let place = attributes.and_then(|attributes| attributes.get(name)).unwrap_or_else(|| self.entry.clone());
-        Err(place.error(format!("{name} of vertex {vertex} is not finite"), "repair the mesh"))
+        Ok(elements)
     }
 }
 
-fn header(vertices: usize, names: &[&str], faces: usize) -> String {
-    let properties: String = names.iter().map(|name| format!("property float {name}\n")).collect();
-    format!(
-        "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n{properties}element face {faces}\n\
-        property list uchar uint vertex_indices\nend_header\n"
-    )
+/// Tells of Draco, and refuses a primitive that is there in compressed form only. A file says that it requires Draco when
+/// that is so, but some do not.
+///
+/// # Errors
+/// Where the positions have no numbers beside the compressed ones.
+fn check_compression(entry: &Entry<'_>, output: &mut Output) -> Result<(), SceneError> {
+    const NAME: &str = "KHR_draco_mesh_compression";
+    if entry.extension(NAME)?.is_none() {
+        return Ok(());
+    }
+    let positions = entry.child("attributes")?.map(|attributes| attributes.reference("POSITION", "accessors"));
+    let has_numbers = match positions.transpose()?.flatten() {
+        Some((_, accessor)) => accessor.has("bufferView") || accessor.has("sparse"),
+        None => false,
+    };
+    if !has_numbers {
+        let problem = format!("the primitive is compressed with Draco ({NAME}), and has no numbers beside that");
+        return Err(entry.error(problem, "export the scene without mesh compression"));
+    }
+    let explanation = "the numbers that stand in the file without compression are used";
+    output.notices.add(Notice::ignored(&entry.location(), format!("extension \"{NAME}\""), explanation));
+    Ok(())
 }
 
-/// Reports what a primitive has and a PLY file does not hold.
+/// Reports what a primitive has and a mesh does not hold.
 fn report_unused(entry: &Entry<'_>, attributes: &Entry<'_>, output: &mut Output) {
     if attributes.has("COLOR_0") {
         let explanation = "the material's own color is taken as it is";

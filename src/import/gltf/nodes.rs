@@ -1,18 +1,20 @@
 //! The tree of nodes: where meshes, cameras and lights stand in the world.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
+use std::rc::Rc;
 
 use glam::{DMat4, DQuat, DVec3};
 
 use super::super::draft::{Draft, Target};
 use super::accessor::Accessor;
+use super::camera::CameraNode;
 use super::entry::{Document, Entry};
-use super::material::Materials;
-use super::mesh::MeshFiles;
-use super::{Input, Output, camera, extensions, lights};
+use super::material::{Material, Materials};
+use super::mesh::{MeshFile, MeshFiles};
+use super::{Input, Output, extensions, lights};
 use crate::scene::bundle::Bundle;
-use crate::scene::description::{PluginClass, Value};
-use crate::scene::error::SceneError;
+use crate::scene::description::PluginClass;
+use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
 
 /// The most shapes that a file may make, by nodes and by instances.
@@ -20,22 +22,41 @@ const SHAPE_LIMIT: usize = 200_000;
 
 /// What the nodes of a scene hold, as plugins.
 #[derive(Default)]
-pub(super) struct Contents {
-    pub sensor: Option<Draft>,
+pub(super) struct Contents<'a> {
+    /// In the order of their nodes.
+    pub cameras: Vec<CameraNode<'a>>,
     pub shapes: Vec<Draft>,
     pub emitters: Vec<Draft>,
     /// Least and greatest coordinates of all shapes; `None` without shapes.
     pub bounds: Option<[DVec3; 2]>,
     files: MeshFiles,
+    /// What nodes place, in their order.
+    placements: Vec<Placement>,
     /// How many primitives were placed, with triangles or without.
     placed: usize,
 }
+
+/// A primitive where a node has it.
+struct Placement {
+    file: MeshFile,
+    material: Rc<Material>,
+    location: Location,
+    to_world: DMat4,
+}
+
+/// Copies that are no more triangles than this, all together, are made; beyond that a mesh is placed as instances. Copies are
+/// faster to trace, instances take neither memory nor time to prepare.
+const MOST_COPIED: usize = 20_000;
 
 /// Reads all nodes of the scene that the file shows.
 ///
 /// # Errors
 /// On nodes that are reached twice, and on whatever is wrong with what they hold.
-pub(super) fn read(input: &Input<'_>, materials: &mut Materials, output: &mut Output) -> Result<Contents, SceneError> {
+pub(super) fn read<'a>(
+    input: &Input<'a>,
+    materials: &mut Materials,
+    output: &mut Output,
+) -> Result<Contents<'a>, SceneError> {
     let mut contents = Contents::default();
     let mut tree = Tree { reached: vec![false; input.document.count("nodes")], waiting: Vec::new() };
     tree.add(roots(input.document, output)?, DMat4::IDENTITY)?;
@@ -43,10 +64,11 @@ pub(super) fn read(input: &Input<'_>, materials: &mut Materials, output: &mut Ou
         extensions::report_unread(&node, output)?;
         let to_world = parent * transform(&node)?;
         contents.add_meshes(&node, to_world, input, materials, output)?;
-        contents.add_camera(&node, to_world, output)?;
+        contents.add_camera(&node, to_world)?;
         contents.emitters.extend(lights::read(&node, to_world, input.document, output)?);
         tree.add(node.references("children", "nodes")?, to_world)?;
     }
+    contents.place(output);
     Ok(contents)
 }
 
@@ -120,9 +142,9 @@ fn steps(scale: [f64; 3], rotation: [f64; 4], translation: [f64; 3]) -> Option<D
     })
 }
 
-impl Contents {
-    /// Whether nothing in the scene emits, also where it has lights: they may be black. `files` are those of the scene.
-    pub(super) fn is_dark(&self, files: &Bundle) -> bool {
+impl<'d> Contents<'d> {
+    /// Whether anything in the scene emits: lights may be black. `files` are those of the scene.
+    pub(super) fn emits(&self, files: &Bundle) -> bool {
         let children = self.shapes.iter().flat_map(|shape| &shape.children);
         let on_shapes = children.filter_map(|child| match &child.target {
             Target::Plugin(plugin) if plugin.class == PluginClass::Emitter => Some(plugin),
@@ -131,7 +153,7 @@ impl Contents {
         // The shapes of a material have copies of one emitter, at one place.
         let emitters: BTreeMap<&str, &Draft> =
             self.emitters.iter().chain(on_shapes).map(|emitter| (emitter.location.path.as_str(), emitter)).collect();
-        emitters.values().all(|emitter| lights::is_black(emitter, files))
+        !emitters.values().all(|emitter| lights_nothing(emitter) || lights::is_black(emitter, files))
     }
 
     fn add_meshes<'a>(
@@ -154,6 +176,7 @@ impl Contents {
         extensions::report_unread(&mesh, output)?;
         for primitive in mesh.objects("primitives")? {
             let material = materials.of(&primitive, input, output)?;
+            let file = self.files.file(&primitive, material.wish, input, output)?;
             for place in &places {
                 self.placed += 1;
                 if self.placed > SHAPE_LIMIT {
@@ -161,29 +184,16 @@ impl Contents {
                     return Err(node.error(problem, "join meshes, or split the scene"));
                 }
                 let to_world = to_world * *place;
-                let Some(file) = self.files.file(&primitive, material.texture_coordinates, input, output)? else {
-                    break;
-                };
-                let mut shape = Draft::new(PluginClass::Shape, "ply", &node.location())
-                    .with("filename", Value::String(file.name.clone()));
-                if file.flat {
-                    shape = shape.with("face_normals", Value::Boolean(true));
-                }
-                if to_world != DMat4::IDENTITY {
-                    shape = shape.with("to_world", Value::Transform(to_world));
-                }
-                shape = shape.with_reference(&material.id);
-                if let Some(emitter) = &material.emitter {
-                    shape = shape.with_child("", emitter.clone());
-                }
-                self.add_shape(shape, file.bounds, to_world);
+                let Some(file) = file.clone() else { break };
+                let (material, location) = (material.clone(), node.location());
+                self.include(file.bounds, to_world);
+                self.placements.push(Placement { file, material, location, to_world });
             }
         }
         Ok(())
     }
 
-    fn add_shape(&mut self, shape: Draft, bounds: [DVec3; 2], to_world: DMat4) {
-        self.shapes.push(shape);
+    fn include(&mut self, bounds: [DVec3; 2], to_world: DMat4) {
         for corner in 0..8 {
             let side = |axis: usize| bounds[corner >> axis & 1][axis];
             let point = to_world.transform_point3(DVec3::new(side(0), side(1), side(2)));
@@ -192,14 +202,67 @@ impl Contents {
         }
     }
 
-    fn add_camera(&mut self, node: &Entry<'_>, to_world: DMat4, output: &mut Output) -> Result<(), SceneError> {
-        let Some((_, camera)) = node.reference("camera", "cameras")? else { return Ok(()) };
-        if self.sensor.is_some() {
-            output.notices.add(Notice::ignored(&node.location(), "a camera", "the first camera of the scene is used"));
-            return Ok(());
+    /// Makes shapes of what nodes place: copies, or a group and its instances where copies would be many.
+    fn place(&mut self, output: &mut Output) {
+        let placements = std::mem::take(&mut self.placements);
+        let mut uses: HashMap<(&str, &str), usize> = HashMap::new();
+        for Placement { file, material, .. } in &placements {
+            *uses.entry((&file.name, &material.id)).or_insert(0) += 1;
         }
-        self.sensor = camera::read(&camera, to_world, output)?;
+        let mut groups: HashMap<(&str, &str), String> = HashMap::new();
+        for placement in &placements {
+            let Placement { file, material, location, to_world } = placement;
+            let key = (file.name.as_str(), material.id.as_str());
+            if (uses[&key] - 1) * file.triangles <= MOST_COPIED {
+                self.shapes.push(placement.shape().with_place(*to_world));
+            } else if material.emitter.as_ref().is_some_and(|emitter| !lights_nothing(emitter)) {
+                let explanation = "each is a mesh of its own, which takes time and memory: instances cannot emit";
+                let subject = "the instances of a mesh that shines";
+                output.notices.add(Notice::approximated(location, subject, explanation));
+                self.shapes.push(placement.shape().with_place(*to_world));
+            } else {
+                let next = format!("instanced_{}", groups.len());
+                let id = groups.entry(key).or_insert_with(|| {
+                    let group = Draft::new(PluginClass::Shape, "shapegroup", location);
+                    self.shapes.push(Draft { id: next.clone(), ..group.with_child("", placement.shape()) });
+                    next
+                });
+                let instance = Draft::new(PluginClass::Shape, "instance", location).with_reference(id);
+                self.shapes.push(instance.with_place(*to_world));
+            }
+        }
+    }
+
+    fn add_camera(&mut self, node: &Entry<'d>, to_world: DMat4) -> Result<(), SceneError> {
+        let Some((_, camera)) = node.reference("camera", "cameras")? else { return Ok(()) };
+        let name = node.text("name")?.or(camera.text("name")?).unwrap_or_default();
+        self.cameras.push(CameraNode { name, location: node.location(), camera, to_world });
         Ok(())
+    }
+}
+
+/// Whether an emitter is only seen.
+fn lights_nothing(emitter: &Draft) -> bool {
+    emitter.parameters.iter().any(|parameter| parameter.name == "seen_only")
+}
+
+impl Placement {
+    /// The shape in its own space.
+    fn shape(&self) -> Draft {
+        let shape = Draft::new(PluginClass::Shape, "ply", &self.location).with_text("filename", &self.file.name);
+        let shape = if self.file.flat { shape.with_flag("face_normals", true) } else { shape };
+        let shape = shape.with_reference(&self.material.id);
+        match &self.material.emitter {
+            Some(emitter) => shape.with_child("", emitter.clone()),
+            None => shape,
+        }
+    }
+}
+
+impl Draft {
+    /// Where a shape stands, unless that is where it was made.
+    fn with_place(self, to_world: DMat4) -> Self {
+        if to_world == DMat4::IDENTITY { self } else { self.with_transform("to_world", to_world) }
     }
 }
 

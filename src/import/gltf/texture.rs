@@ -24,6 +24,7 @@ pub(super) enum Meaning {
 }
 
 /// A parameter that is a value or a texture.
+#[derive(Clone)]
 pub(super) enum Slot {
     Value(Value),
     Texture(Draft),
@@ -170,7 +171,7 @@ impl<'a> Textures<'_, 'a> {
         };
         let name = content.and_then(|content| {
             let name = format!("{GENERATED_FOLDER}image_{index}.{}", extension_of(&content)?);
-            self.output.generated.insert(name.clone(), content.into());
+            self.output.made.files.insert(name.clone(), content.into());
             Some(name)
         });
         self.images.names.insert(index, name.clone());

@@ -10,7 +10,8 @@
 
 use glam::{DMat3, DVec3};
 
-/// Chromaticity (x, y).
+/// Chromaticity (x, y). Components of mixtures, such as those of daylight, need not be colors themselves: numbers may be
+/// negative, and are not finite where there is no light at all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Color {
     pub x: f64,
@@ -24,15 +25,15 @@ pub(super) const GREY: Color = Color { x: 1.0 / 3.0, y: 1.0 / 3.0 };
 const VISIBLE: (f64, f64) = (380.0, 780.0);
 
 impl Color {
-    /// The color with chromaticity (x, y), unless none can have it.
-    pub(super) fn new(x: f64, y: f64) -> Option<Self> {
-        (x >= 0.0 && y > 1e-6 && x + y <= 1.0).then_some(Self { x, y })
+    /// Whether light or a surface can have it.
+    pub(super) fn is_real(self) -> bool {
+        self.x >= 0.0 && self.y > 1e-6 && self.x + self.y <= 1.0
     }
 
-    /// The color of tristimulus values, unless it is black.
-    fn of(tristimulus: DVec3) -> Option<Self> {
+    /// The color of tristimulus values.
+    fn of(tristimulus: DVec3) -> Self {
         let sum = tristimulus.element_sum();
-        Self::new(tristimulus.x / sum, tristimulus.y / sum)
+        Self { x: tristimulus.x / sum, y: tristimulus.y / sum }
     }
 
     /// Tristimulus values of luminance 1.
@@ -41,8 +42,8 @@ impl Color {
     }
 
     /// The color of a spectrum whose values are evenly spaced between two wavelengths, nm, linear between them and 0
-    /// elsewhere; nothing when it is black.
-    pub(super) fn from_spectrum(first: f64, last: f64, values: &[f64]) -> Option<Self> {
+    /// elsewhere.
+    pub(super) fn from_spectrum(first: f64, last: f64, values: &[f64]) -> Self {
         let spacing = (last - first) / (values.len() - 1) as f64;
         Self::from_power(|wavelength| {
             let place = (wavelength - first) / spacing;
@@ -56,7 +57,7 @@ impl Color {
     }
 
     /// The color of a black body at `kelvin`.
-    pub(super) fn from_temperature(kelvin: f64) -> Option<Self> {
+    pub(super) fn from_temperature(kelvin: f64) -> Self {
         // Planck's law: c₂ = hc/k = 0.014 387 769 m·K. Over its value at 560 nm, which keeps cold bodies in range.
         let exponent = |wavelength: f64| 0.014_387_769 / (wavelength * 1e-9 * kelvin);
         let middle = exponent(560.0);
@@ -67,7 +68,7 @@ impl Color {
     }
 
     /// The color of `power` as a function of the wavelength, nm.
-    fn from_power(power: impl Fn(f64) -> f64) -> Option<Self> {
+    fn from_power(power: impl Fn(f64) -> f64) -> Self {
         // The fitted functions integrate to almost the same; dividing by that makes equal energy exactly grey.
         let (mut sum, mut white) = (DVec3::ZERO, DVec3::ZERO);
         for step in 0..=((VISIBLE.1 - VISIBLE.0) as usize) {
@@ -79,8 +80,8 @@ impl Color {
         Self::of(sum / white)
     }
 
-    /// The sum of colors with luminances as weights; nothing when it is black.
-    pub(super) fn mix(parts: &[(f64, Self)]) -> Option<Self> {
+    /// The sum of colors with luminances as weights.
+    pub(super) fn mix(parts: &[(f64, Self)]) -> Self {
         Self::of(parts.iter().map(|(weight, color)| *weight * color.tristimulus()).sum())
     }
 
@@ -141,20 +142,23 @@ mod tests {
     #[test]
     fn analytic_colors() {
         // Equal energy, however it is written, is grey.
-        let flat = Color::from_spectrum(300.0, 900.0, &[2.0; 7]).unwrap();
+        let flat = Color::from_spectrum(300.0, 900.0, &[2.0; 7]);
         assert!((flat.x - GREY.x).abs() < 1e-9 && (flat.y - GREY.y).abs() < 1e-9);
         assert!((RGB_FROM_XYZ * adapt(DVec3::ONE)).distance(DVec3::ONE) < 1e-3);
         // CIE standard illuminant A is a black body at 2855.5 K: (0.4476, 0.4074).
-        let lamp = Color::from_temperature(2855.5).unwrap();
+        let lamp = Color::from_temperature(2855.5);
         assert!((lamp.x - 0.4476).abs() < 5e-3 && (lamp.y - 0.4074).abs() < 5e-3, "{lamp:?}");
         // Equal luminances of two colors meet at the point that the tristimulus values give.
         let (red, green) = (Color { x: 0.6, y: 0.3 }, Color { x: 0.3, y: 0.6 });
-        let mixed = Color::mix(&[(1.0, red), (1.0, green)]).unwrap();
+        let mixed = Color::mix(&[(1.0, red), (1.0, green)]);
         assert!((mixed.x - 0.5).abs() < 1e-12 && (mixed.y - 0.4).abs() < 1e-12, "{mixed:?}");
         let (rgb, cut) = mixed.rgb(0.4);
         let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
         assert!((luminance - 0.4).abs() < 1e-12 && rgb.iter().all(|channel| *channel >= 0.0));
         assert!(cut == (rgb[2] == 0.0));
-        assert!(Color::from_spectrum(400.0, 700.0, &[0.0, 0.0]).is_none());
+        assert!(!Color::from_spectrum(400.0, 700.0, &[0.0, 0.0]).is_real());
+        // A component of a mixture may be no color.
+        let component = Color::from_spectrum(400.0, 700.0, &[3.0, -0.5, 8.0]);
+        assert!(Color::mix(&[(1.0, lamp), (1e-3, component)]).is_real());
     }
 }

@@ -46,6 +46,12 @@ pub(super) type Key = [u64; 23];
 impl Material {
     /// Follows one of the entities `sides`, `rd`, `td`, `ed`, `rs`, `ts` and `ir`; `color` is the current color.
     pub(super) fn set(&mut self, entity: &Entity<'_>, color: Color) -> Result<(), SceneError> {
+        let is_colored = !["sides", "ir"].contains(&entity.keyword);
+        if is_colored && !color.is_real() && entity.number(0).is_ok_and(|amount| amount != 0.0) {
+            let remedy =
+                "give chromaticities with y above 0 and x + y up to 1, or visible light in a spectrum or mixture";
+            return Err(entity.error("no light has the current color", remedy));
+        }
         match entity.keyword {
             "sides" => {
                 entity.check_count(1, 1, "sides 1 or sides 2")?;

@@ -5,13 +5,12 @@ use std::collections::HashMap;
 use glam::{DMat3, DMat4, DVec3};
 
 use super::super::draft::Draft;
-use super::super::transform;
 use super::bsdf::{LUMENS_PER_WATT, Writer};
 use super::material::{Key, Material};
 use super::mesh::Mesh;
 use super::polygon::{Failure, triangulate};
 use super::text::Entity;
-use crate::scene::bundle::Files;
+use crate::scene::bundle::Generated;
 use crate::scene::description::PluginClass;
 use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
@@ -24,10 +23,6 @@ const SHAPE_LIMIT: usize = 200_000;
 const MATERIAL_LIMIT: usize = 65_536;
 /// How many steps all of a scene's polygons may take to be cut into triangles.
 const WORK_LIMIT: u64 = 300_000_000;
-/// How wide the default camera sees, degrees along the shorter side of the picture.
-const FIELD_OF_VIEW: f64 = 40.0;
-/// Where the default camera looks from: in front, from the right and from above, for z upwards.
-const VIEWPOINT: DVec3 = DVec3::new(0.5, -0.75, 0.45);
 
 /// A corner of a polygon: position, and normal or zero.
 #[derive(Clone, Copy, Debug)]
@@ -73,31 +68,47 @@ impl Placed {
 }
 
 /// One material that surfaces have.
-struct Surface {
+pub(super) struct Surface {
     id: String,
     bsdf: Draft,
-    radiance: Option<[f64; 3]>,
-    mesh: Mesh,
+    pub radiance: Option<[f64; 3]>,
+    two_sided: bool,
+    pub mesh: Mesh,
 }
 
 /// The scene so far.
 pub(super) struct Stage {
-    surfaces: Vec<Surface>,
+    pub surfaces: Vec<Surface>,
     places: HashMap<Key, usize>,
-    shapes: Vec<Draft>,
+    pub shapes: Vec<Draft>,
+    /// Meshes of arrays.
+    pub made: Generated,
+    /// How many arrays are instances.
+    pub arrays: usize,
+    /// Whether only what emits is added.
+    pub only_lights: bool,
     triangles: usize,
     work: u64,
-    least: DVec3,
-    most: DVec3,
+    /// Least and greatest coordinates.
+    pub bounds: [DVec3; 2],
     pub notices: Vec<Notice>,
 }
 
 impl Stage {
     /// An empty scene.
     pub(super) fn new() -> Self {
-        let (least, most) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let (surfaces, places, shapes, notices) = (Vec::new(), HashMap::new(), Vec::new(), Vec::new());
-        Self { surfaces, places, shapes, triangles: 0, work: WORK_LIMIT, least, most, notices }
+        Self {
+            surfaces: Vec::new(),
+            places: HashMap::new(),
+            shapes: Vec::new(),
+            made: Generated::default(),
+            arrays: 0,
+            only_lights: false,
+            triangles: 0,
+            work: WORK_LIMIT,
+            bounds: [DVec3::INFINITY, DVec3::NEG_INFINITY],
+            notices: Vec::new(),
+        }
     }
 
     /// The place of `material`, whose name is `name`, among the surfaces.
@@ -122,7 +133,8 @@ impl Stage {
         let id = format!("{name}-{place}");
         let bsdf = Draft { id: id.clone(), ..writer.bsdf(material) };
         let radiance = self.radiance(material, &name, &location);
-        self.surfaces.push(Surface { id, bsdf, radiance, mesh: Mesh::default() });
+        let two_sided = material.two_sided;
+        self.surfaces.push(Surface { id, bsdf, radiance, two_sided, mesh: Mesh::default() });
         self.places.insert(key, place);
         Ok(place)
     }
@@ -134,17 +146,10 @@ impl Stage {
             return None;
         }
         let (rgb, outside) = emission.color.rgb(emission.amount / (std::f64::consts::PI * LUMENS_PER_WATT));
-        let mut approximated = |what: &str, instead: &str| {
-            self.notices.push(Notice::approximated(location, format!("{what} of material {name}"), instead));
-        };
         if outside {
-            approximated(
-                "an emitted color outside of Rec. 709",
-                "the nearest color of the same luminance takes its place",
-            );
-        }
-        if material.two_sided {
-            approximated("the emission of the back", "only the front emits");
+            let subject = format!("an emitted color outside of Rec. 709 of material {name}");
+            let instead = "the nearest color of the same luminance takes its place";
+            self.notices.push(Notice::approximated(location, subject, instead));
         }
         Some(rgb)
     }
@@ -156,6 +161,9 @@ impl Stage {
         loops: &[Vec<Vertex>],
         entity: &Entity<'_>,
     ) -> Result<(), SceneError> {
+        if self.passes_over(surface) {
+            return Ok(());
+        }
         let corners: Vec<Vertex> = loops.concat();
         self.include(corners.iter().map(|corner| corner.position), entity)?;
         let outlines: Vec<Vec<DVec3>> =
@@ -194,6 +202,9 @@ impl Stage {
         entity: &Entity<'_>,
         vertex: impl Fn(u32, u32) -> Vertex,
     ) -> Result<(), SceneError> {
+        if self.passes_over(surface) {
+            return Ok(());
+        }
         let [columns, rows] = size;
         self.count_triangles(2 * columns as usize * rows as usize, entity)?;
         let corners = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (column, row)));
@@ -220,6 +231,9 @@ impl Stage {
         (center, radius): (DVec3, f64),
         entity: &Entity<'_>,
     ) -> Result<(), SceneError> {
+        if self.passes_over(surface) {
+            return Ok(());
+        }
         self.include([center - radius, center + radius].into_iter(), entity)?;
         let shape = self.finished(shape, &self.surfaces[surface]);
         self.add(shape, entity)
@@ -235,13 +249,19 @@ impl Stage {
         Ok(())
     }
 
-    fn finished(&self, shape: Draft, surface: &Surface) -> Draft {
+    /// Whether a surface was placed before and only what emits is added.
+    fn passes_over(&self, surface: usize) -> bool {
+        self.only_lights && self.surfaces[surface].radiance.is_none()
+    }
+
+    pub(super) fn finished(&self, shape: Draft, surface: &Surface) -> Draft {
         let location = shape.location.clone();
         let shape = shape.with_reference(&surface.id);
         match surface.radiance {
             None => shape,
             Some(rgb) => {
-                shape.with_child("", Draft::new(PluginClass::Emitter, "area", &location).with_rgb("radiance", rgb))
+                let light = Draft::new(PluginClass::Emitter, "area", &location).with_rgb("radiance", rgb);
+                shape.with_child("", if surface.two_sided { light.with_flag("two_sided", true) } else { light })
             }
         }
     }
@@ -263,49 +283,34 @@ impl Stage {
     }
 
     /// Makes room for points in the camera's view; they must fit into single precision.
-    fn include(&mut self, points: impl Iterator<Item = DVec3>, entity: &Entity<'_>) -> Result<(), SceneError> {
+    pub(super) fn include(
+        &mut self,
+        points: impl Iterator<Item = DVec3>,
+        entity: &Entity<'_>,
+    ) -> Result<(), SceneError> {
         for point in points {
             if !point.as_vec3().is_finite() {
                 return Err(entity.error("the shape is too large or too far away", "check its size and transforms"));
             }
-            (self.least, self.most) = (self.least.min(point), self.most.max(point));
+            self.bounds = [self.bounds[0].min(point), self.bounds[1].max(point)];
         }
         Ok(())
     }
 
-    /// The whole scene, and the mesh files that it refers to. `place` is the scene file.
-    pub(super) fn finish(mut self, place: &Location) -> (Draft, Files, Vec<Notice>) {
-        let mut scene = Draft::new(PluginClass::Scene, "scene", place).with_child("", self.sensor(place));
-        let mut files = Files::new();
-        let surfaces = std::mem::take(&mut self.surfaces);
-        for (index, surface) in surfaces.iter().enumerate().filter(|(_, surface)| surface.mesh.size() > 0) {
+    /// The whole scene without a camera, the meshes that it refers to, and its bounds. `place` is the scene file.
+    pub(super) fn finish(mut self, place: &Location) -> (Draft, Generated, [DVec3; 2], Vec<Notice>) {
+        let mut scene = Draft::new(PluginClass::Scene, "scene", place);
+        let mut made = std::mem::take(&mut self.made);
+        let mut surfaces = std::mem::take(&mut self.surfaces);
+        for (index, surface) in surfaces.iter_mut().enumerate().filter(|(_, surface)| surface.mesh.lengths()[1] > 0) {
             let name = format!("mgf-{index}.ply");
-            files.insert(name.clone(), surface.mesh.ply().into());
+            made.meshes.insert(name.clone(), std::mem::take(&mut surface.mesh).into_triangles().into());
             let shape = Draft::new(PluginClass::Shape, "ply", &surface.bsdf.location).with_text("filename", &name);
             scene = scene.with_child("", self.finished(shape, surface));
         }
         for draft in surfaces.into_iter().map(|surface| surface.bsdf).chain(self.shapes) {
             scene = scene.with_child("", draft);
         }
-        (scene, files, self.notices)
-    }
-
-    /// MGF has no camera: one that sees everything from outside.
-    fn sensor(&mut self, place: &Location) -> Draft {
-        let instead = "a perspective camera sees everything from outside, from the right and above with +z upwards";
-        self.notices.push(Notice::approximated(place, "the view (MGF has no camera)", instead));
-        let empty = self.least.x > self.most.x;
-        let (least, most) = if empty { (DVec3::NEG_ONE, DVec3::ONE) } else { (self.least, self.most) };
-        let (target, radius) = (0.5 * (least + most), (0.5 * (most - least).length()).max(1e-6));
-        let distance = radius / libm::sin(0.5 * FIELD_OF_VIEW.to_radians());
-        let origin = target + distance * VIEWPOINT.normalize();
-        let [from, to, up] = [origin, target, DVec3::Z].map(|vector| vector.to_array());
-        let to_world = transform::look_at(from, to, up).unwrap_or(DMat4::IDENTITY);
-        Draft::new(PluginClass::Sensor, "perspective", place)
-            .with_float("fov", FIELD_OF_VIEW)
-            .with_text("fov_axis", "smaller")
-            .with_float("near_clip", 1e-3 * distance)
-            .with_float("far_clip", 10.0 * distance)
-            .with_transform("to_world", to_world)
+        (scene, made, self.bounds, self.notices)
     }
 }

@@ -9,6 +9,7 @@ mod cameras_and_methods;
 mod color;
 mod light_and_shape;
 mod materials;
+mod obj_materials;
 mod rules;
 pub(super) mod spectrum;
 mod textures;
@@ -18,6 +19,7 @@ mod xml;
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::draft::{Alias, Draft, DraftChild, Reading, Target};
+use crate::scene::bundle::Bundle;
 use crate::scene::description::{Parameter, PluginClass, Value};
 use crate::scene::error::{SceneError, closest_name, nearest_name};
 use crate::scene::notice::Notice;
@@ -52,7 +54,13 @@ enum Outcome {
 ///
 /// # Errors
 /// On plugins that no version of Mitsuba has, with the nearest name.
-pub(super) fn translate(reading: Reading, version: Version, old: Old) -> Result<Reading, SceneError> {
+pub(super) fn translate(
+    mut reading: Reading,
+    version: Version,
+    old: Old,
+    bundle: &Bundle,
+) -> Result<Reading, SceneError> {
+    obj_materials::split(&mut reading, bundle);
     let Reading { mut root, aliases, includes, notices } = reading;
     let gone = old.passed_over.into_iter().map(|id| (id, None)).collect();
     let mut translation = Translation { version, notices, aliases, gone, media: old.media };

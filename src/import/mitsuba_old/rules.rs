@@ -189,7 +189,7 @@ pub(super) const RULES: &[Rule] = &[
     changed(Shape, ["hair", ""], &[], &["filename"], light::without_counterpart),
     changed(Shape, ["heightfield", ""], &[], &["filename"], light::without_counterpart),
     plain(Shape, "instance", &[]),
-    changed(Shape, ["obj", "obj"], &["filename", "faceNormals", "flipTexCoords"], &[], light::shape),
+    changed(Shape, ["obj", "obj"], &["filename", "faceNormals", "flipTexCoords", "material"], &[], light::shape),
     changed(Shape, ["ply", "ply"], &["filename", "faceNormals"], &[], light::shape),
     changed(Shape, ["rectangle", "rectangle"], &[], &[], light::shape),
     changed(Shape, ["serialized", "serialized"], &["filename", "shapeIndex", "faceNormals"], &[], light::shape),

@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat4};
 
 use super::super::transform;
 use super::super::values::shown;
+use super::light::AreaSource;
 use super::material::Material;
 use super::text::{Token, Tokens};
 use crate::scene::error::{Location, SceneError};
@@ -18,8 +19,8 @@ pub(super) struct Surface {
     /// Whether transforms apply to the start of a motion, which is what is imported.
     at_start: bool,
     pub material: Option<Material>,
-    /// Radiance of an area light, W·sr⁻¹·m⁻².
-    pub light: Option<[f64; 3]>,
+    /// What shapes emit.
+    pub light: Option<AreaSource>,
     /// Whether the outside is turned round.
     pub reverse: bool,
 }

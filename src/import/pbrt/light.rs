@@ -1,5 +1,7 @@
 //! Lights.
 
+use std::f64::consts::PI;
+
 use glam::{DMat4, DVec3};
 
 use super::super::draft::Draft;
@@ -8,50 +10,33 @@ use super::super::values::shown;
 use super::output::Output;
 use super::parameters::Parameters;
 use super::spectrum::{self, Purpose};
+use super::texture::{self, Ink, mean_color};
+use super::{area_light, goniometric};
 use crate::scene::description::PluginClass;
 use crate::scene::error::{SceneError, nearest_name};
 
-/// The light of shapes that come after `AreaLightSource`: its radiance, W·sr⁻¹·m⁻².
-///
-/// # Errors
-/// On kinds that pbrt does not have, images, and powers.
-pub(super) fn area(kind: &str, parameters: &Parameters, output: &mut Output<'_>) -> Result<[f64; 3], SceneError> {
-    if kind != "diffuse" {
-        let problem = format!("there is no area light {}", shown(kind));
-        return Err(SceneError::new(&parameters.place, problem, nearest_name(kind, &["diffuse"])));
-    }
-    refuse(parameters, "power", "give the radiance \"L\" instead")?;
-    refuse(parameters, "filename", "give one radiance \"L\" for all of the light")?;
-    let radiance = emission(parameters, "L", output)?;
-    if parameters.flag("twosided")?.unwrap_or(false) {
-        output.approximated(&parameters.place, "a two-sided area light", "only its outside emits");
-    }
-    output.report_unused("area light \"diffuse\"", parameters)?;
-    Ok(radiance)
-}
+pub(super) use area_light::AreaSource;
 
 /// A light that is not a shape, with the transform `to_world` in effect.
 ///
 /// # Errors
-/// As [`area`].
+/// On kinds that pbrt does not have, and images of the sky.
 pub(super) fn other(
     kind: &str,
     parameters: &Parameters,
     to_world: DMat4,
     output: &mut Output<'_>,
 ) -> Result<(), SceneError> {
-    refuse(parameters, "power", "give \"I\" or \"L\" instead")?;
-    refuse(parameters, "illuminance", "give \"L\" instead")?;
     let light = |plugin: &str| Draft::new(PluginClass::Emitter, plugin, &parameters.place);
     let from = parameters.vector("from")?.unwrap_or(DVec3::ZERO);
     let draft = match kind {
         "point" => {
-            let intensity = emission(parameters, "I", output)?;
+            let intensity = with_power(emission(parameters, "I", output)?, 4.0 * PI, parameters)?;
             let position = to_world.transform_point3(from);
             light("point").with_rgb("intensity", intensity).with_point("position", position)
         }
         "distant" => {
-            let irradiance = emission(parameters, "L", output)?;
+            let irradiance = with_illuminance(emission(parameters, "L", output)?, 1.0, parameters)?;
             let direction = to_world.transform_vector3(target(parameters)? - from);
             light("directional").with_rgb("irradiance", irradiance).with_point("direction", direction)
         }
@@ -59,13 +44,11 @@ pub(super) fn other(
         "infinite" => {
             refuse(parameters, "filename", "pbrt's maps are octahedral: give \"L\", or another format's scene")?;
             refuse(parameters, "portal", "remove it")?;
-            let radiance = emission(parameters, "L", output)?;
+            let radiance = with_illuminance(emission(parameters, "L", output)?, PI, parameters)?;
             light("constant").with_rgb("radiance", radiance)
         }
-        "goniometric" | "projection" => {
-            let problem = format!("a light {} is not supported", shown(kind));
-            return Err(SceneError::new(&parameters.place, problem, "use \"point\" or \"spot\""));
-        }
+        "goniometric" => goniometric::read(parameters, to_world, output)?,
+        "projection" => projection(light("spot"), parameters, to_world, output)?,
         _ => {
             let known = ["point", "distant", "spot", "infinite", "goniometric", "projection"];
             let problem = format!("there is no light {}", shown(kind));
@@ -83,13 +66,15 @@ fn spot(
     to_world: DMat4,
     output: &mut Output<'_>,
 ) -> Result<Draft, SceneError> {
-    let intensity = emission(parameters, "I", output)?;
     let cutoff = parameters.float("coneangle")?.unwrap_or(30.0);
     let delta = parameters.float("conedeltaangle")?.unwrap_or(5.0);
     if delta > 0.0 {
         let instead = "between its two cones light falls linearly with the angle";
         output.approximated(&parameters.place, "the edge of a spot light", instead);
     }
+    let [end, start] = [cutoff, cutoff - delta].map(|angle| libm::cos(angle.to_radians()));
+    let solid_angle = 2.0 * PI * ((1.0 - start) + 0.5 * (start - end));
+    let intensity = with_power(emission(parameters, "I", output)?, solid_angle, parameters)?;
     let [from, to] = [from, target(parameters)?].map(|point| to_world.transform_point3(point).to_array());
     let to_world = look_at(from, to, any_up(from, to))
         .map_err(|problem| SceneError::new(&parameters.place, problem, "give \"from\" and \"to\" that differ"))?;
@@ -97,12 +82,36 @@ fn spot(
     Ok(draft.with_float("beam_width", (cutoff - delta).max(0.0)).with_transform("to_world", to_world))
 }
 
+/// A spot light of the image's mean color takes the place of a projector.
+fn projection(
+    draft: Draft,
+    parameters: &Parameters,
+    to_world: DMat4,
+    output: &mut Output<'_>,
+) -> Result<Draft, SceneError> {
+    let Some(name) = parameters.text("filename")? else {
+        return Err(SceneError::new(&parameters.place, "a projection has no \"filename\"", "name the image"));
+    };
+    let image = texture::plain_image(name, parameters, output)?;
+    let mean = mean_color(&image, output)?;
+    let angle = parameters.float("fov")?.unwrap_or(90.0).clamp(1e-3, 179.0);
+    let scale = parameters.float("scale")?.unwrap_or(1.0);
+    let solid_angle = 2.0 * PI * (1.0 - libm::cos((0.5 * angle).to_radians()));
+    let intensity =
+        with_power(mean.map(|channel| channel * scale), solid_angle * spectrum::luminance(mean), parameters)?;
+    let instead = "a spot light of the image's mean color and as wide as its shorter side takes its place";
+    output.approximated(&parameters.place, "light \"projection\"", instead);
+    let cutoff = 0.5 * angle;
+    let draft = draft.with_rgb("intensity", intensity).with_float("cutoff_angle", cutoff);
+    Ok(draft.with_float("beam_width", cutoff).with_transform("to_world", to_world))
+}
+
 fn target(parameters: &Parameters) -> Result<DVec3, SceneError> {
     Ok(parameters.vector("to")?.unwrap_or(DVec3::Z))
 }
 
 /// The color `name`, white by default, times `scale`.
-fn emission(parameters: &Parameters, name: &str, output: &mut Output<'_>) -> Result<[f64; 3], SceneError> {
+pub(super) fn emission(parameters: &Parameters, name: &str, output: &mut Output<'_>) -> Result<[f64; 3], SceneError> {
     let color = match parameters.find(name) {
         Some(parameter) => spectrum::read(parameter, Purpose::Emission, output)?,
         None => [1.0; 3],
@@ -111,9 +120,52 @@ fn emission(parameters: &Parameters, name: &str, output: &mut Output<'_>) -> Res
     Ok(color.map(|channel| channel * scale))
 }
 
+/// A color of light whose flux is `power`, if that is given; `flux` is that of a color of luminance 1. As in pbrt the color
+/// counts beside the power.
+pub(super) fn with_power(color: [f64; 3], flux: f64, parameters: &Parameters) -> Result<[f64; 3], SceneError> {
+    Ok(match parameters.float("power")?.filter(|power| *power > 0.0) {
+        Some(power) => color.map(|channel| channel * power / flux.max(f64::MIN_POSITIVE)),
+        None => color,
+    })
+}
+
+/// A color of light whose irradiance is `illuminance`, if that is given; `irradiance` is that of a color of luminance 1.
+fn with_illuminance(color: [f64; 3], irradiance: f64, parameters: &Parameters) -> Result<[f64; 3], SceneError> {
+    Ok(match parameters.float("illuminance")?.filter(|illuminance| *illuminance > 0.0) {
+        Some(illuminance) => color.map(|channel| channel * illuminance / irradiance),
+        None => color,
+    })
+}
+
 fn refuse(parameters: &Parameters, name: &str, remedy: &str) -> Result<(), SceneError> {
     match parameters.find(name) {
         Some(parameter) => Err(parameter.error("it is not supported", remedy)),
         None => Ok(()),
     }
+}
+
+/// Reads the light of the shapes that come after `AreaLightSource`.
+///
+/// # Errors
+/// On kinds that pbrt does not have, and a color beside an image.
+pub(super) fn area(kind: &str, parameters: &Parameters, output: &mut Output<'_>) -> Result<AreaSource, SceneError> {
+    if kind != "diffuse" {
+        let problem = format!("there is no area light {}", shown(kind));
+        return Err(SceneError::new(&parameters.place, problem, nearest_name(kind, &["diffuse"])));
+    }
+    let source = match parameters.text("filename")? {
+        None => AreaSource::of_color(emission(parameters, "L", output)?, parameters)?,
+        Some(_) if parameters.has("L") => {
+            return Err(SceneError::new(&parameters.place, "the light has a color and an image", "remove one of them"));
+        }
+        Some(name) => {
+            let image = texture::plain_image(name, parameters, output)?.with_text("wrap_mode", "clamp");
+            let mean = spectrum::luminance(mean_color(&image, output)?);
+            let scale = parameters.float("scale")?.unwrap_or(1.0);
+            let ink = Ink::Texture(output.define("texture", "light", image)?);
+            AreaSource::of_image(ink.scaled([scale; 3], parameters, output)?, mean, parameters)?
+        }
+    };
+    output.report_unused("area light \"diffuse\"", parameters)?;
+    Ok(source)
 }

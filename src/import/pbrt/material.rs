@@ -103,14 +103,26 @@ impl Reader<'_, '_> {
     fn share(&mut self, name: &str, default: f64) -> Result<Ink, SceneError> {
         let given = self.textures.color(self.parameters, name, self.output)?;
         let ink = given.unwrap_or(Ink::Color([default; 3]));
-        if let (Ink::Color(rgb), Some(parameter)) = (&ink, self.parameters.find(name))
-            && rgb.iter().any(|channel| *channel > 1.0)
-        {
-            let problem = format!("a surface of {rgb:?} reflects more than all light");
-            return Err(parameter.error(problem, "give at most 1"));
-        }
         self.textured |= ink.is_texture();
-        Ok(ink)
+        self.at_most_1(ink)
+    }
+
+    /// pbrt counts shares above 1 as 1.
+    fn at_most_1(&mut self, ink: Ink) -> Result<Ink, SceneError> {
+        let place = &self.parameters.place;
+        match ink {
+            Ink::Color(rgb) if rgb.iter().any(|channel| *channel > 1.0) => {
+                let subject = format!("a surface of {rgb:?}, which reflects more than all light,");
+                self.output.approximated(place, subject, "what is above 1 counts as 1, as in pbrt");
+                Ok(Ink::Color(rgb.map(|channel| channel.min(1.0))))
+            }
+            Ink::Texture(id) if self.output.bright.contains(&id) => {
+                let clamped = Draft::new(PluginClass::Texture, "scale", place).with_flag("clamp", true);
+                let clamped = self.output.define("texture", "clamped", clamped.with_reference(&id))?;
+                Ok(Ink::Texture(clamped))
+            }
+            ink => Ok(ink),
+        }
     }
 
     fn diffuse(&mut self) -> Result<Draft, SceneError> {

@@ -1,8 +1,8 @@
-//! Triangle meshes that stand in the text, or that take the place of curved shapes, as binary PLY files.
-
-use std::io::Write;
+//! Triangle meshes that stand in the text, or that take the place of curved shapes.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
+
+use crate::scene::geometry::TriangleMesh;
 
 /// A triangle mesh; coordinates are in single precision.
 #[derive(Default)]
@@ -67,31 +67,14 @@ impl Mesh {
         }
     }
 
-    /// The bytes of a little-endian PLY file. Its v is 1 at the bottom of images.
-    pub(super) fn ply(&self) -> Vec<u8> {
-        let optional = [("nx ny nz", !self.normals.is_empty()), ("u v", !self.coordinates.is_empty())];
-        let names = optional.iter().filter(|(_, given)| *given).flat_map(|(names, _)| names.split(' '));
-        let properties: String =
-            ["x", "y", "z"].into_iter().chain(names).map(|name| format!("property float {name}\n")).collect();
-        let mut bytes = Vec::with_capacity(400 + 32 * self.positions.len() + 13 * self.triangles.len());
-        // Writing to memory cannot fail.
-        let _ = write!(
-            bytes,
-            "ply\nformat binary_little_endian 1.0\nelement vertex {}\n{properties}element face {}\n\
-             property list uchar uint vertex_indices\nend_header\n",
-            self.positions.len(),
-            self.triangles.len()
-        );
-        for (index, position) in self.positions.iter().enumerate() {
-            let normal = self.normals.get(index).map(|normal| normal.to_array());
-            let uv = self.coordinates.get(index).map(|uv| [uv.x, 1.0 - uv.y]);
-            let numbers = position.to_array().into_iter().chain(normal.into_iter().flatten());
-            bytes.extend(numbers.chain(uv.into_iter().flatten()).flat_map(f32::to_le_bytes));
+    /// As shapes have it: v is 1 at the bottom of images.
+    pub(super) fn into_triangles(self) -> TriangleMesh {
+        TriangleMesh {
+            positions: self.positions.iter().map(Vec3::to_array).collect(),
+            normals: self.normals.iter().map(Vec3::to_array).collect(),
+            texture_coordinates: self.coordinates.iter().map(|uv| [uv.x, 1.0 - uv.y]).collect(),
+            triangles: self.triangles,
+            ..TriangleMesh::default()
         }
-        for triangle in &self.triangles {
-            bytes.push(3);
-            bytes.extend(triangle.iter().flat_map(|index| index.to_le_bytes()));
-        }
-        bytes
     }
 }

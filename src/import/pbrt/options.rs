@@ -1,10 +1,10 @@
 //! What stands before `WorldBegin`: camera, film, pixel filter, integrator.
 
-use glam::{DMat4, DVec3};
+use glam::DMat4;
 
 use super::super::draft::Draft;
 use super::super::values::shown;
-use super::attributes::inverse;
+use super::camera;
 use super::output::{Output, with_integer};
 use super::parameters::Parameters;
 use crate::scene::description::PluginClass;
@@ -30,23 +30,22 @@ impl Options {
     /// The sensor and the integrator.
     ///
     /// # Errors
-    /// Without a camera; on cameras other than `perspective`.
+    /// Without a camera; as [`camera::sensor`].
     pub(super) fn plugins(&self, place: &Location, output: &mut Output<'_>) -> Result<[Draft; 2], SceneError> {
         let Some((camera, from_world)) = &self.camera else {
             let remedy = "add a Camera before WorldBegin, and pass the main file, not an included one";
             return Err(SceneError::new(place, "the scene has no Camera", remedy));
         };
-        let (film, aspect) = self.film(place, output)?;
-        let sensor = sensor(camera, *from_world, aspect, output)?.with_child("", film);
-        Ok([sensor, self.method(place, output)?])
+        let film = self.film(place, output)?;
+        Ok([camera::sensor(camera, *from_world, film, output)?, self.method(place, output)?])
     }
 
-    /// The film, and its width over its height.
-    fn film(&self, place: &Location, output: &mut Output<'_>) -> Result<(Draft, f64), SceneError> {
+    /// The film, and the size of the whole picture, pixels.
+    fn film(&self, place: &Location, output: &mut Output<'_>) -> Result<(Draft, [i64; 2]), SceneError> {
         let filter = self.pixel_filter(place, output)?;
         let Some(Directive { name, parameters }) = &self.film else {
             let film = with_integer(Draft::new(PluginClass::Film, "hdrfilm", place), "width", 1280);
-            return Ok((with_integer(film, "height", 720).with_child("", filter), 1280.0 / 720.0));
+            return Ok((with_integer(film, "height", 720).with_child("", filter), [1280, 720]));
         };
         match name.as_str() {
             "rgb" => {}
@@ -75,7 +74,7 @@ impl Options {
         let film = window(film, size, parameters)?;
         parameters.pass_over(&["filename", "savefp16", "diagonal"]);
         output.report_unused(&format!("film {}", shown(name)), parameters)?;
-        Ok((film.with_child("", filter), size[0] as f64 / size[1] as f64))
+        Ok((film.with_child("", filter), size))
     }
 
     fn pixel_filter(&self, place: &Location, output: &mut Output<'_>) -> Result<Draft, SceneError> {
@@ -216,53 +215,4 @@ fn window(film: Draft, size: [i64; 2], parameters: &Parameters) -> Result<Draft,
         film = with_integer(with_integer(film, offset, first), count, end - first);
     }
     Ok(film)
-}
-
-fn sensor(
-    Directive { name, parameters }: &Directive,
-    from_world: DMat4,
-    aspect: f64,
-    output: &mut Output<'_>,
-) -> Result<Draft, SceneError> {
-    let place = &parameters.place;
-    if name != "perspective" {
-        return Err(SceneError::new(
-            place,
-            format!("the camera is {}", shown(name)),
-            "only \"perspective\" is supported",
-        ));
-    }
-    if parameters.has("screenwindow") {
-        let remedy = "choose the picture by resolution, fov and cropwindow";
-        return Err(SceneError::new(place, "a screenwindow is not supported", remedy));
-    }
-    if parameters.float("frameaspectratio")?.is_some_and(|ratio| (ratio / aspect - 1.0).abs() > 1e-3) {
-        let remedy = "remove it, or change the film's resolution";
-        return Err(SceneError::new(place, "the frameaspectratio is not that of the film", remedy));
-    }
-    let fov = parameters.float("fov")?.unwrap_or(90.0);
-    let focus = parameters.float("focaldistance")?;
-    let radius = parameters.float("lensradius")?.unwrap_or(0.0);
-    parameters.pass_over(&["shutteropen", "shutterclose"]);
-    output.report_unused("camera \"perspective\"", parameters)?;
-    let inverse = inverse(from_world);
-    if !inverse.is_finite() {
-        return Err(SceneError::new(place, "the camera's transform cannot be inverted", "check the lines above it"));
-    }
-    // x is to the right in pbrt, to the left here.
-    let to_world = inverse * DMat4::from_scale(DVec3::new(-1.0, 1.0, 1.0));
-    let plugin = if radius > 0.0 { "thinlens" } else { "perspective" };
-    let sensor = Draft::new(PluginClass::Sensor, plugin, place)
-        .with_float("fov", fov)
-        .with_text("fov_axis", "smaller")
-        // pbrt's rays begin at the camera and have no end.
-        .with_float("near_clip", 1e-6)
-        .with_float("far_clip", 1e10)
-        .with_transform("to_world", to_world);
-    if radius <= 0.0 {
-        return Ok(sensor);
-    }
-    // Both are in the camera's space, which may be scaled.
-    let scale = inverse.z_axis.truncate().length();
-    Ok(sensor.with_float("aperture_radius", radius * scale).with_float("focus_distance", focus.unwrap_or(1e6) * scale))
 }

@@ -4,11 +4,12 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 use super::super::draft::{Draft, DraftChild, Target};
+use super::super::gzip;
 use super::super::notices::Notices;
 use super::super::values::shown;
 use super::mesh::Mesh;
 use super::parameters::{Parameter, Parameters};
-use crate::scene::bundle::{Bundle, Files};
+use crate::scene::bundle::{Bundle, Generated};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
@@ -20,12 +21,22 @@ const PLUGIN_LIMIT: usize = 500_000;
 /// How many different things a scene may have that cannot be represented.
 const NOTICE_LIMIT: usize = 2000;
 
+/// How the names of compressed files end.
+const GZIP: &str = ".gz";
+
+/// Whether a file is compressed, by its name.
+pub(super) fn is_compressed(name: &str) -> bool {
+    name.to_ascii_lowercase().ends_with(GZIP)
+}
+
 /// The scene so far.
 pub(super) struct Output<'a> {
     pub bundle: &'a Bundle,
     /// The files that were read, with the places that name them.
     pub includes: Vec<(String, Location)>,
-    pub generated: Files,
+    pub made: Generated,
+    /// The ids of textures that may have values above 1.
+    pub bright: HashSet<String>,
     pub notices: Notices,
     subjects: HashSet<String>,
     /// What stands in the scene.
@@ -37,9 +48,10 @@ pub(super) struct Output<'a> {
 impl<'a> Output<'a> {
     /// An empty scene.
     pub(super) fn new(bundle: &'a Bundle) -> Self {
-        let (includes, generated, notices) = (Vec::new(), Files::new(), Notices::default());
+        let (includes, made, notices) = (Vec::new(), Generated::default(), Notices::default());
         let (subjects, plugins) = (HashSet::new(), Vec::new());
-        Self { bundle, includes, generated, notices, subjects, plugins, count: 0, triangles: 0 }
+        let bright = HashSet::new();
+        Self { bundle, includes, made, bright, notices, subjects, plugins, count: 0, triangles: 0 }
     }
 
     /// Something similar takes the place of `subject`.
@@ -106,12 +118,13 @@ impl<'a> Output<'a> {
     }
 
     /// A `ply` shape of a mesh that is kept in memory.
-    pub(super) fn mesh_shape(&mut self, mesh: &Mesh, place: &Location) -> Result<Draft, SceneError> {
+    pub(super) fn mesh_shape(&mut self, mesh: Mesh, place: &Location) -> Result<Draft, SceneError> {
         self.count_triangles(mesh.triangles.len(), place)?;
-        let name = format!("pbrt-{}.ply", self.generated.len());
-        self.generated.insert(name.clone(), mesh.ply().into());
+        let name = format!("pbrt-{}.ply", self.made.meshes.len());
         let shape = Draft::new(PluginClass::Shape, "ply", place).with_text("filename", &name);
-        Ok(if mesh.normals.is_empty() { shape.with_flag("face_normals", true) } else { shape })
+        let shape = if mesh.normals.is_empty() { shape.with_flag("face_normals", true) } else { shape };
+        self.made.meshes.insert(name, mesh.into_triangles().into());
+        Ok(shape)
     }
 
     /// Makes room for triangles.
@@ -124,13 +137,22 @@ impl<'a> Output<'a> {
         Err(SceneError::new(place, problem, "put big meshes into PLY files"))
     }
 
-    /// The bytes of a file that the scene consists of.
+    /// The bytes of a file that the scene consists of, unpacked if its name ends in `.gz`.
     pub(super) fn read(&mut self, name: &str, place: &Location) -> Result<Arc<[u8]>, SceneError> {
-        if name.to_ascii_lowercase().ends_with(".gz") {
-            let problem = format!("file {} is compressed", shown(name));
-            return Err(SceneError::new(place, problem, "unpack it, and name the unpacked file"));
+        let content = self.bundle.read(name, place)?;
+        if !is_compressed(name) {
+            return Ok(content);
         }
-        self.bundle.read(name, place)
+        gzip::unpacked(&content, name, place)
+    }
+
+    /// Keeps an unpacked file, and gives the name by which shapes find it.
+    pub(super) fn keep_unpacked(&mut self, name: &str, content: Arc<[u8]>, place: &Location) -> String {
+        let kept = format!("unpacked/{}", &name[..name.len() - GZIP.len()]);
+        if self.made.files.insert(kept.clone(), content).is_none() {
+            self.includes.push((name.to_owned(), place.clone()));
+        }
+        kept
     }
 
     /// Leaves out the materials and textures that nothing refers to, so that they need not be readable.

@@ -3,6 +3,7 @@
 use super::super::draft::Draft;
 use super::super::values::shown;
 use super::attributes::Surface;
+use super::light::AreaSource;
 use super::output::referring;
 use super::shape::{self, Setting};
 use super::text::Tokens;
@@ -27,6 +28,8 @@ impl Reader<'_> {
         let opacity = self.textures.number(&parameters, "alpha")?;
         let textured = material.as_ref().is_some_and(|material| material.textured);
         let textured = textured || opacity.as_ref().is_some_and(Ink::is_texture);
+        let light = light.filter(|light| !light.is_black());
+        let textured = textured || light.as_ref().is_some_and(AreaSource::is_textured);
         let setting = Setting { to_world: self.attributes.transform(), reverse, textured };
         let Some(mut shape) = shape::read(&kind, &parameters, &setting, &mut self.output)? else { return Ok(()) };
         shape = match (opacity.filter(|opacity| !opacity.is_one()), material) {
@@ -41,18 +44,17 @@ impl Reader<'_> {
                 shape.with_child("", mask)
             }
         };
-        let radiance = light.filter(|radiance| *radiance != [0.0; 3]);
         let object = self.object.as_ref().and_then(|name| self.objects.get_mut(name));
-        match (radiance, object) {
+        match (light, object) {
             (Some(_), Some(object)) => {
                 self.output.ignored(place, "an area light within an object", "its shape does not emit");
                 object.shapes.push(shape);
             }
             (None, Some(object)) => object.shapes.push(shape),
             (None, None) => return self.output.add(shape),
-            (Some(radiance), None) => {
-                let light = Draft::new(PluginClass::Emitter, "area", place).with_rgb("radiance", radiance);
-                return self.output.add(shape.with_child("", light));
+            (Some(light), None) => {
+                let emitter = light.on(&shape, &kind, &parameters, &mut self.output)?;
+                return self.output.add(shape.with_child("", emitter));
             }
         }
         self.output.count_plugin(place).map(drop)

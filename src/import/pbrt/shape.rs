@@ -7,7 +7,7 @@ use glam::{DMat3, DMat4, DVec2, DVec3, Vec2, Vec3};
 use super::super::draft::Draft;
 use super::super::values::shown;
 use super::mesh::Mesh;
-use super::output::Output;
+use super::output::{Output, is_compressed};
 use super::parameters::Parameters;
 use crate::scene::description::PluginClass;
 use crate::scene::error::{SceneError, nearest_name};
@@ -139,7 +139,7 @@ fn triangles(
     if setting.textured && mesh.coordinates.is_empty() {
         mesh = mesh.with_default_coordinates();
     }
-    output.mesh_shape(&mesh, &parameters.place)
+    output.mesh_shape(mesh, &parameters.place)
 }
 
 /// Patches with four corners: (0, 0), (1, 0), (0, 1), (1, 1).
@@ -150,7 +150,7 @@ fn bilinear(parameters: &Parameters, output: &mut Output<'_>) -> Result<Draft, S
     mesh.triangles = indices.chunks_exact(4).flat_map(halves).collect();
     mesh.face_normals();
     output.approximated(&parameters.place, "shape \"bilinearmesh\"", "two triangles take the place of each patch");
-    output.mesh_shape(&mesh, &parameters.place)
+    output.mesh_shape(mesh, &parameters.place)
 }
 
 fn ply(parameters: &Parameters, output: &mut Output<'_>) -> Result<Draft, SceneError> {
@@ -161,7 +161,9 @@ fn ply(parameters: &Parameters, output: &mut Output<'_>) -> Result<Draft, SceneE
     let head = String::from_utf8_lossy(&content[..content.len().min(65_536)]);
     let head = head.split("end_header").next().unwrap_or_default();
     let has_normals = head.lines().any(|line| line.starts_with("property") && line.trim_end().ends_with(" nx"));
-    let shape = Draft::new(PluginClass::Shape, "ply", &parameters.place).with_text("filename", name);
+    let place = &parameters.place;
+    let kept = if is_compressed(name) { output.keep_unpacked(name, content, place) } else { name.to_owned() };
+    let shape = Draft::new(PluginClass::Shape, "ply", place).with_text("filename", &kept);
     let shape = shape.with_flag("flip_tex_coords", true);
     parameters.pass_over(&["edgelength"]);
     // Without normals pbrt's triangles are flat.
@@ -200,7 +202,7 @@ fn curved(
 ) -> Result<Draft, SceneError> {
     output.approximated(&parameters.place, what, "a mesh with smooth normals takes its place");
     let mesh = Mesh::surface([columns, rows].map(|count| count.ceil().max(1.0) as u32), point);
-    output.mesh_shape(&mesh, &parameters.place)
+    output.mesh_shape(mesh, &parameters.place)
 }
 
 /// (cos, sin) of an angle, the same on every machine.

@@ -51,7 +51,14 @@ pub(super) fn read(parameter: &Parameter, purpose: Purpose, output: &mut Output<
             if temperature.is_nan() || temperature <= 0.0 {
                 return Err(parameter.error(format!("a black body of {temperature} K"), "give a temperature in K"));
             }
-            of_luminance_1(to_rgb(|wavelength| black_body(wavelength, temperature)))
+            match purpose {
+                Purpose::Emission => of_luminance_1(to_rgb(|wavelength| black_body(wavelength, temperature))),
+                // pbrt's black bodies have a largest value of 1 [Wien's displacement law].
+                Purpose::Reflectance | Purpose::Index => {
+                    let peak = black_body(2.897_771_955e6 / temperature, temperature);
+                    relative_to_white(|wavelength| black_body(wavelength, temperature) / peak)
+                }
+            }
         }
         ("spectrum", Values::Numbers(_)) => points(parameter, parameter.numbers(2)?, purpose, output)?,
         ("spectrum", Values::Texts(_)) => named(parameter, parameter.text()?, purpose, output)?,
@@ -63,9 +70,22 @@ pub(super) fn read(parameter: &Parameter, purpose: Purpose, output: &mut Output<
     Err(parameter.error("the color is negative or too bright", "give numbers of at least 0"))
 }
 
+/// The luminance of linear Rec. 709.
+pub(super) fn luminance(rgb: [f64; 3]) -> f64 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
+/// Colors outside of Rec. 709, as of cool black bodies, are the nearest of its surface.
 fn of_luminance_1(rgb: [f64; 3]) -> [f64; 3] {
-    let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    let rgb = rgb.map(|channel| channel.max(0.0));
+    let luminance = luminance(rgb);
     if luminance > 0.0 { rgb.map(|channel| channel / luminance) } else { [0.0; 3] }
+}
+
+/// The color of a reflectance under white light.
+fn relative_to_white(spectrum: impl Fn(f64) -> f64) -> [f64; 3] {
+    let (color, white) = (to_rgb(spectrum), to_rgb(|_| 1.0));
+    std::array::from_fn(|channel| (color[channel] / white[channel]).clamp(0.0, 1.0))
 }
 
 /// A spectrum of wavelengths in nm and values.
@@ -83,10 +103,7 @@ fn points(
     output.approximated(&parameter.place, subject, "a color takes its place");
     Ok(match purpose {
         Purpose::Emission => of_luminance_1(to_rgb(|wavelength| interpolate(&points, wavelength))),
-        Purpose::Reflectance => {
-            let (color, white) = (to_rgb(|wavelength| interpolate(&points, wavelength)), to_rgb(|_| 1.0));
-            std::array::from_fn(|channel| (color[channel] / white[channel]).min(1.0))
-        }
+        Purpose::Reflectance => relative_to_white(|wavelength| interpolate(&points, wavelength)),
         Purpose::Index => [interpolate(&points, HELIUM_LINE); 3],
     })
 }

@@ -4,16 +4,19 @@
 //! also what photonfarm's spheres have; textures therefore see pbrt's u and this program's v = 1 - v.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use glam::{DMat4, DVec3};
 
 use super::super::draft::Draft;
+use super::super::resolve::resolve;
 use super::super::values::shown;
 use super::output::{Output, referring};
 use super::parameters::{Parameter, Parameters};
 use super::spectrum::{self, Purpose};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::texture::{Texture, TextureReader};
 
 /// A value that may vary over a surface.
 #[derive(Clone, Debug)]
@@ -62,7 +65,11 @@ impl Ink {
             Self::Texture(_) if factor == [1.0; 3] => self.clone(),
             Self::Texture(id) => {
                 let draft = Draft::new(PluginClass::Texture, "scale", &parameters.place).with_rgb("scale", factor);
-                Self::Texture(output.define("texture", "scaled", draft.with_reference(id))?)
+                let scaled = output.define("texture", "scaled", draft.with_reference(id))?;
+                if output.bright.contains(id) || factor.iter().any(|channel| *channel > 1.0) {
+                    output.bright.insert(scaled.clone());
+                }
+                Self::Texture(scaled)
             }
         })
     }
@@ -260,9 +267,6 @@ fn image(parameters: &Parameters, output: &mut Output<'_>) -> Result<Ink, SceneE
         "bilinear" | "trilinear" | "ewa" | "EWA" => {}
         other => output.approximated(place, format!("the filter {}", shown(other)), "bilinear takes its place"),
     }
-    if parameters.flag("invert")?.unwrap_or(false) {
-        output.ignored(place, "the inversion of an image", "its values are taken as they are");
-    }
     parameters.pass_over(&["maxanisotropy"]);
     // The row is 1 - (scale·(1 - v) + offset) of the v here.
     let [scale, offset] = mapping(parameters, output)?;
@@ -271,7 +275,53 @@ fn image(parameters: &Parameters, output: &mut Output<'_>) -> Result<Ink, SceneE
         draft = draft.with("to_uv", Value::Transform(to_uv));
     }
     let factor = parameters.float("scale")?.unwrap_or(1.0);
-    Ink::Texture(output.define("texture", "image", draft)?).scaled([factor; 3], parameters, output)
+    let id = output.define("texture", "image", draft)?;
+    if is_bright(name) {
+        output.bright.insert(id.clone());
+    }
+    if !parameters.flag("invert")?.unwrap_or(false) {
+        return Ink::Texture(id).scaled([factor; 3], parameters, output);
+    }
+    let inverted = Draft::new(PluginClass::Texture, "scale", place).with_float("scale", factor);
+    let inverted = inverted.with_flag("invert", true).with_reference(&id);
+    Ok(Ink::Texture(output.define("texture", "inverted", inverted)?))
+}
+
+/// Whether an image file may hold values above 1.
+fn is_bright(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    [".exr", ".hdr", ".pfm"].iter().any(|extension| name.ends_with(extension))
+}
+
+/// An image over the whole of a shape.
+///
+/// # Errors
+/// When the file is not there.
+pub(super) fn plain_image(name: &str, parameters: &Parameters, output: &mut Output<'_>) -> Result<Draft, SceneError> {
+    output.bundle.read(name, &parameters.place)?;
+    output.includes.push((name.to_owned(), parameters.place.clone()));
+    Ok(Draft::new(PluginClass::Texture, "bitmap", &parameters.place).with_text("filename", name))
+}
+
+/// A texture, read.
+///
+/// # Errors
+/// When its image cannot be read.
+pub(super) fn in_memory(texture: &Draft, output: &Output<'_>) -> Result<Texture, SceneError> {
+    let node = Arc::new(resolve(texture, &[])?);
+    TextureReader::new(output.bundle).texture(&node)
+}
+
+/// The mean color of a texture.
+///
+/// # Errors
+/// When its image cannot be read, or is black.
+pub(super) fn mean_color(texture: &Draft, output: &Output<'_>) -> Result<[f64; 3], SceneError> {
+    let mean = in_memory(texture, output)?.mean();
+    if mean.max_element() > 0.0 {
+        return Ok(mean.to_array().map(f64::from));
+    }
+    Err(SceneError::new(&texture.location, "the image of a light is black", "give an image with light in it"))
 }
 
 /// pbrt's fields are 1 wide, photonfarm's 1/2.

@@ -82,7 +82,9 @@ impl Instance {
         let stretch = normal.length();
         let shading = (normal_matrix * local.frame.normal).normalize();
         let frame = if local.shape.needs_uv {
-            let tangent = self.linear * group.partials_at(local.primitive, local.position)[0];
+            let own = group.tangents.get(local.primitive).is_some();
+            let tangent = if own { local.frame.tangent } else { group.partials_at(local.primitive, local.position)[0] };
+            let tangent = self.linear * tangent;
             let mirrored = local.frame.is_left_handed() != (self.linear.determinant() < 0.0);
             tangent_frame(shading, tangent, mirrored)
         } else {

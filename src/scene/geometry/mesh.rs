@@ -3,9 +3,11 @@
 //! `cube` is [-1, 1]³ under any affine `to_world`, outside outwards. The others read `filename` (relative to the scene);
 //! `face_normals` (boolean, false) shades every triangle flat; otherwise the
 //! file's normals count, or smooth ones are made as in Mitsuba; `flip_normals` (boolean, false); `flip_tex_coords` (boolean,
-//! true for `obj`, else false) turns v into 1 - v. `serialized` takes mesh `shape_index` (integer, 0) of its file.
+//! true for `obj`, else false) turns v into 1 - v. `obj` with `material` takes the faces after `usemtl` and that name only. `serialized` takes mesh `shape_index` (integer, 0) of its file.
 
-use glam::{DVec3, Vec2, Vec3};
+use std::borrow::Cow;
+
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Primitive;
 use super::transform::{ToWorld, to_single};
@@ -25,8 +27,13 @@ pub struct ShapeGeometry {
     pub shading_normals: Vec<[Vec3; 3]>,
     /// Texture coordinates of the three vertices, per primitive; empty when the shape has none.
     pub texture_coordinates: Vec<[Vec2; 3]>,
+    /// Tangents of the three vertices, per primitive, each with the sign of its bitangent; empty where they follow from the
+    /// texture coordinates.
+    pub tangents: Vec<[Vec4; 3]>,
     /// Triangles without area that were left out.
     pub degenerate: usize,
+    /// What the user should know of the shape's file, a sentence each.
+    pub notices: Vec<String>,
 }
 
 impl ShapeGeometry {
@@ -67,14 +74,20 @@ const CUBE_FACE_COORDINATES: [Vec2; 4] = [Vec2::Y, Vec2::ONE, Vec2::X, Vec2::ZER
 
 /// Reads a `ply` shape.
 pub fn read_ply(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
+    if let Some(made) = fields.string("filename")?.and_then(|name| bundle.mesh(name)) {
+        return from_mesh(Cow::Borrowed(&made), fields, false);
+    }
     let (bytes, location) = mesh_file(fields, bundle)?;
-    from_mesh(ply::read(&bytes, &location)?, fields, false)
+    from_mesh(Cow::Owned(ply::read(&bytes, &location)?), fields, false)
 }
 
 /// Reads an `obj` shape.
 pub fn read_obj(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
     let (bytes, location) = mesh_file(fields, bundle)?;
-    from_mesh(obj::read(&bytes, &location)?, fields, true)
+    let material = fields.string("material")?;
+    let obj::ObjMesh { mesh, notice } = obj::read(&bytes, material, &location)?;
+    let shape = from_mesh(Cow::Owned(mesh), fields, true)?;
+    Ok(ShapeGeometry { notices: notice.into_iter().collect(), ..shape })
 }
 
 /// Reads a `serialized` shape.
@@ -83,7 +96,7 @@ pub fn read_serialized(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<Shape
     let index = fields.integer("shape_index")?.unwrap_or(0);
     let index = usize::try_from(index)
         .map_err(|_| fields.error("shape_index", format!("\"shape_index\" is {index}"), "meshes are counted from 0"))?;
-    from_mesh(serialized::read(&bytes, index, &location)?, fields, false)
+    from_mesh(Cow::Owned(serialized::read(&bytes, index, &location)?), fields, false)
 }
 
 fn mesh_file(
@@ -101,16 +114,14 @@ fn mesh_file(
 
 /// `flip_by_default` is what `flip_tex_coords` is when it is not given.
 fn from_mesh(
-    mut mesh: TriangleMesh,
+    mesh: Cow<'_, TriangleMesh>,
     fields: &mut Fields<'_>,
     flip_by_default: bool,
 ) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
     let face_normals = fields.boolean("face_normals")?.unwrap_or(mesh.face_normals);
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
-    if fields.boolean("flip_tex_coords")?.unwrap_or(flip_by_default) {
-        mesh.texture_coordinates.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
-    }
+    let downwards = fields.boolean("flip_tex_coords")?.unwrap_or(flip_by_default);
     let points = mesh
         .positions
         .iter()
@@ -131,10 +142,23 @@ fn from_mesh(
             .map(|normal| to_world.normal(Vec3::from_array(*normal).as_dvec3()).as_vec3() * sign(flip))
             .collect(),
     };
-    let vertices = Vertices { points, normals, coordinates: mesh.texture_coordinates };
-    let shape = triangles_of(&mesh.triangles, &vertices, reversed);
+    // A mirror image has the bitangents of a mirror image, whichever side is its outside.
+    let side = sign(reversed);
+    let tangent = |[x, y, z, w]: &[f32; 4]| {
+        to_world.vector(DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z))).as_vec3().extend(*w * side)
+    };
+    let tangents = mesh.tangents.iter().map(tangent).collect();
+    let (triangles, mut coordinates) = match mesh {
+        Cow::Owned(mesh) => (Cow::Owned(mesh.triangles), mesh.texture_coordinates),
+        Cow::Borrowed(mesh) => (Cow::Borrowed(&mesh.triangles), mesh.texture_coordinates.clone()),
+    };
+    if downwards {
+        coordinates.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
+    }
+    let vertices = Vertices { points, normals, coordinates, tangents };
+    let shape = triangles_of(&triangles, &vertices, reversed);
     if shape.primitives.is_empty() {
-        let problem = match mesh.triangles.len() {
+        let problem = match triangles.len() {
             1 => "the mesh's only triangle has no area".to_owned(),
             count => format!("none of the mesh's {count} triangles has an area"),
         };
@@ -170,14 +194,17 @@ struct Vertices {
     normals: Vec<Vec3>,
     /// Empty when the mesh has none.
     coordinates: Vec<[f32; 2]>,
+    /// With the sign of the bitangent; empty when the mesh has none.
+    tangents: Vec<Vec4>,
 }
 
 fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, reversed: bool) -> ShapeGeometry {
-    let Vertices { points, normals, coordinates } = vertices;
+    let Vertices { points, normals, coordinates, tangents } = vertices;
     let mut shape = ShapeGeometry::default();
     shape.primitives.reserve_exact(triangles.len());
     shape.shading_normals.reserve_exact(if normals.is_empty() { 0 } else { triangles.len() });
     shape.texture_coordinates.reserve_exact(if coordinates.is_empty() { 0 } else { triangles.len() });
+    shape.tangents.reserve_exact(if tangents.is_empty() { 0 } else { triangles.len() });
     for indices in triangles {
         let [a, b, c] = indices.map(|index| index as usize);
         // As in Mitsuba, where barycentric coordinates stand in for texture coordinates.
@@ -195,6 +222,9 @@ fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, reversed: bool) -> 
         }
         if !coordinates.is_empty() {
             shape.texture_coordinates.push(order.map(|index| Vec2::from_array(coordinates[index])));
+        }
+        if !tangents.is_empty() {
+            shape.tangents.push(order.map(|index| tangents[index]));
         }
         shape.primitives.push(Primitive::Triangle(triangle));
     }

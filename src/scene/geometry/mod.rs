@@ -23,3 +23,4 @@ pub use instance::Instance;
 pub use primitive::Primitive;
 pub use ray::Ray;
 pub use surface::{Geometry, Interaction, Shape};
+pub use triangle_mesh::TriangleMesh;

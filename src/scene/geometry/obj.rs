@@ -1,27 +1,41 @@
 //! Wavefront OBJ meshes.
 //!
-//! Positions (`v`), texture coordinates (`vt`), normals (`vn`) and faces (`f`) are read; groups, materials, smoothing,
-//! lines and points are passed over. Normals must be given for all corners of all faces or for none. A corner without
-//! texture coordinates gets (0, 0) if others have some.
+//! Positions (`v`), texture coordinates (`vt`), normals (`vn`) and faces (`f`) are read; a `\` at the end of a line continues
+//! it. Groups, materials, smoothing, lines and points are passed over, and so is every other statement, which is told. A corner
+//! without texture coordinates gets (0, 0) if others have some, one without a normal gets that of its triangle.
 
-use std::collections::HashMap;
+use std::borrow::Cow;
+use std::collections::{BTreeSet, HashMap};
 
 use super::super::error::{Location, SceneError};
 use super::triangle_mesh::TriangleMesh;
 
-/// Statements that say nothing about the surface.
-const PASSED_OVER: [&[u8]; 9] = [b"mtllib", b"usemtl", b"g", b"o", b"s", b"l", b"p", b"vp", b"usemap"];
+/// Statements that every mesh may have and that say nothing about the surface.
+const PASSED_OVER: [&[u8]; 8] = [b"mtllib", b"g", b"o", b"s", b"l", b"p", b"vp", b"usemap"];
+/// How many statements that were passed over are named.
+const MOST_NAMED: usize = 12;
 
-/// Reads the mesh of an OBJ file. `location` names the mesh file and the shape that it belongs to.
+/// What of a file is a mesh.
+pub struct ObjMesh {
+    /// The mesh.
+    pub mesh: TriangleMesh,
+    /// Statements that were passed over and may have meant something, one sentence; empty without any.
+    pub notice: Option<String>,
+}
+
+/// Reads the mesh of an OBJ file, or of it the faces that come after `usemtl` and the name of `material`. `location` names the
+/// mesh file and the shape that it belongs to.
 ///
 /// # Errors
-/// With the line: on statements and numbers that cannot be read, indices out of range, coordinates that are not finite,
-/// and faces some of which have normals. Also when there is no face.
-pub fn read(bytes: &[u8], location: &Location) -> Result<TriangleMesh, SceneError> {
-    let mut reader = Reader::default();
-    for (index, line) in bytes.split(|byte| *byte == b'\n').enumerate() {
-        reader.line(line).map_err(|(problem, remedy)| {
-            let place = Location { line: u32::try_from(index + 1).unwrap_or(u32::MAX), ..location.clone() };
+/// With the line: on numbers that cannot be read, indices out of range, coordinates that are not finite. Also when there is no
+/// face.
+pub fn read(bytes: &[u8], material: Option<&str>, location: &Location) -> Result<ObjMesh, SceneError> {
+    // Faces before any `usemtl` have the empty name.
+    let skips = material.is_some_and(|name| !name.is_empty());
+    let mut reader = Reader { wanted: material.map(str::to_owned), skips, ..Reader::default() };
+    for (index, line) in lines(bytes) {
+        reader.line(&line).map_err(|(problem, remedy)| {
+            let place = Location { line: u32::try_from(index).unwrap_or(u32::MAX), ..location.clone() };
             SceneError::new(&place, problem, remedy)
         })?;
     }
@@ -29,6 +43,24 @@ pub fn read(bytes: &[u8], location: &Location) -> Result<TriangleMesh, SceneErro
         return Err(SceneError::new(location, "the mesh has no faces", "export it with its faces"));
     }
     Ok(reader.finish())
+}
+
+/// The statements of a file, each with the number of its first line, counted from 1.
+pub fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
+    let mut physical =
+        bytes.split(|byte| *byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line)).enumerate();
+    std::iter::from_fn(move || {
+        let (index, line) = physical.next()?;
+        let mut line = Cow::Borrowed(line);
+        while let Some(begun) = line.strip_suffix(b"\\") {
+            let mut joined = begun.to_vec();
+            joined.push(b' ');
+            let Some((_, next)) = physical.next() else { return Some((index + 1, Cow::Owned(joined))) };
+            joined.extend_from_slice(next);
+            line = Cow::Owned(joined);
+        }
+        Some((index + 1, line))
+    })
 }
 
 /// A problem and its remedy; the line is added by the caller.
@@ -49,10 +81,15 @@ struct Reader {
     normals: Vec<[f32; 3]>,
     /// The vertex of the mesh for each combination that has been seen.
     vertices: HashMap<Corner, u32>,
-    /// Whether faces have normals, by the first face's first corner.
-    has_normals: Option<bool>,
+    any_normal: bool,
     any_texture_coordinate: bool,
     polygon: Vec<u32>,
+    /// The material whose faces are wanted; all are when there is none.
+    wanted: Option<String>,
+    /// Whether faces are of another material.
+    skips: bool,
+    /// Statements that were passed over and may have meant something.
+    passed_over: BTreeSet<String>,
     mesh: TriangleMesh,
 }
 
@@ -64,15 +101,23 @@ impl Reader {
             Some(b"v") => self.positions.push(numbers::<3>(words, 3)?),
             Some(b"vn") => self.normals.push(numbers::<3>(words, 3)?),
             Some(b"vt") => self.texture_coordinates.push(numbers::<2>(words, 1)?),
-            Some(b"f") => self.face(words)?,
+            Some(b"f" | b"fo") if self.skips => {}
+            Some(b"f" | b"fo") => self.face(words)?,
+            Some(b"usemtl") => {
+                let name = material_name(line);
+                self.skips = self.wanted.as_ref().is_some_and(|wanted| *wanted != name);
+            }
             Some(comment) if comment.starts_with(b"#") => {}
             Some(keyword) if PASSED_OVER.contains(&keyword) => {}
-            Some(keyword) => {
-                let problem = format!("\"{}\" is not a statement of an OBJ mesh", shown(keyword));
-                return Err((problem, "export the mesh as plain polygons"));
-            }
+            Some(keyword) => self.pass_over(&shown(keyword)),
         }
         Ok(())
+    }
+
+    fn pass_over(&mut self, statement: &str) {
+        if self.passed_over.len() < MOST_NAMED {
+            self.passed_over.insert(format!("\"{statement}\""));
+        }
     }
 
     fn face<'a>(&mut self, words: impl Iterator<Item = &'a [u8]>) -> Result<(), Refusal> {
@@ -83,7 +128,7 @@ impl Reader {
             self.polygon.push(vertex);
         }
         if self.polygon.len() < 3 {
-            return Err((format!("a face with {} corners", self.polygon.len()), "a face needs at least three"));
+            self.pass_over("f with fewer than three corners");
         }
         self.mesh.push_polygon(&self.polygon);
         Ok(())
@@ -105,10 +150,6 @@ impl Reader {
     }
 
     fn vertex(&mut self, corner: Corner) -> Result<u32, Refusal> {
-        if *self.has_normals.get_or_insert(corner.normal.is_some()) != corner.normal.is_some() {
-            let remedy = "export normals for all faces or for none";
-            return Err(("some corners have normals and some have none".to_owned(), remedy));
-        }
         if let Some(vertex) = self.vertices.get(&corner) {
             return Ok(*vertex);
         }
@@ -119,15 +160,24 @@ impl Reader {
         let coordinates = corner.texture_coordinate.map(|index| self.texture_coordinates[index as usize]);
         self.any_texture_coordinate |= coordinates.is_some();
         self.mesh.texture_coordinates.push(coordinates.unwrap_or_default());
-        self.mesh.normals.extend(corner.normal.map(|index| self.normals[index as usize]));
+        let normal = corner.normal.map(|index| self.normals[index as usize]);
+        self.any_normal |= normal.is_some();
+        // Where there is none, or it is zero, the triangle's counts.
+        self.mesh.normals.push(normal.unwrap_or_default());
         Ok(vertex)
     }
 
-    fn finish(mut self) -> TriangleMesh {
+    fn finish(mut self) -> ObjMesh {
         if !self.any_texture_coordinate {
             self.mesh.texture_coordinates = Vec::new();
         }
-        self.mesh
+        if !self.any_normal {
+            self.mesh.normals = Vec::new();
+        }
+        let named: Vec<String> = self.passed_over.into_iter().collect();
+        let notice =
+            (!named.is_empty()).then(|| format!("statements without polygons are passed over: {}", named.join(", ")));
+        ObjMesh { mesh: self.mesh, notice }
     }
 }
 
@@ -144,13 +194,32 @@ fn numbers<'a, const N: usize>(
             }
             break;
         };
-        let parsed = std::str::from_utf8(word).ok().and_then(|text| text.parse::<f32>().ok());
+        let parsed = std::str::from_utf8(word).ok().and_then(parsed);
         *number = parsed.ok_or_else(|| (format!("\"{}\" is not a number", shown(word)), "export the mesh again"))?;
         if !number.is_finite() {
             return Err((format!("the coordinate \"{}\" is not finite", shown(word)), "repair the mesh"));
         }
     }
     Ok(numbers)
+}
+
+/// A number, also with its exponent written as in `3.1+e2`.
+fn parsed(text: &str) -> Option<f32> {
+    let swapped = || {
+        let (number, exponent) = ["+e", "-e", "+E", "-E"].iter().find_map(|sign| {
+            let at = text.find(sign)?;
+            Some((&text[..at], format!("{}{}", &sign[..1], &text[at + sign.len()..])))
+        })?;
+        format!("{number}e{exponent}").parse().ok()
+    };
+    text.parse().ok().or_else(swapped)
+}
+
+/// The name of the material that a statement `usemtl` or `newmtl` gives, which may have spaces.
+pub fn material_name(line: &[u8]) -> String {
+    let text = String::from_utf8_lossy(line);
+    let rest = text.trim_start().split_once(char::is_whitespace).map_or("", |(_, rest)| rest);
+    rest.trim().to_owned()
 }
 
 /// A zero-based index from one that counts from 1, or backwards from -1.

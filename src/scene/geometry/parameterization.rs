@@ -1,4 +1,5 @@
-//! Texture coordinates and tangents: uv and its partial derivatives at a point of a surface, in Mitsuba's conventions.
+//! Texture coordinates and tangents: uv and its partial derivatives at a point of a surface, in Mitsuba's conventions. Meshes
+//! may bring tangents of their own, with the sign of the bitangent, as glTF's do: the shading frame then follows those.
 //!
 //! | primitive | u | v |
 //! |---|---|---|
@@ -10,31 +11,31 @@
 //!
 //! x, y, z, φ and θ are in the shape's own space.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::ray::SurfacePoint;
 use super::surface::{Geometry, Interaction, NO_INSTANCE};
 use crate::math::{Frame, warp};
 
-/// Marks a primitive without texture coordinates of its own.
+/// Marks a primitive without a value.
 const NONE: u32 = u32::MAX;
 
-/// The texture coordinates that meshes bring along.
+/// Something that meshes bring along for each vertex, such as texture coordinates.
 #[derive(Default)]
-pub(super) struct TextureCoordinates {
+pub(super) struct AtVertices<T> {
     /// Of the three vertices.
-    triangles: Vec<[Vec2; 3]>,
+    triangles: Vec<[T; 3]>,
     /// By primitive, an index into `triangles` or [`NONE`]; empty when there are none at all.
     of_primitive: Vec<u32>,
 }
 
-impl TextureCoordinates {
-    /// Adds a shape of `primitives` primitives with its coordinates, which may be none.
-    pub(super) fn push_shape(&mut self, primitives: usize, coordinates: &[[Vec2; 3]]) {
+impl<T: Copy> AtVertices<T> {
+    /// Adds a shape of `primitives` primitives with its values, which may be none.
+    pub(super) fn push_shape(&mut self, primitives: usize, values: &[[T; 3]]) {
         let first = self.triangles.len();
-        let index = |primitive| if coordinates.is_empty() { NONE } else { (first + primitive) as u32 };
+        let index = |primitive| if values.is_empty() { NONE } else { (first + primitive) as u32 };
         self.of_primitive.extend((0..primitives).map(index));
-        self.triangles.extend_from_slice(coordinates);
+        self.triangles.extend_from_slice(values);
     }
 
     /// Brings the primitives into the order of the tree.
@@ -45,7 +46,7 @@ impl TextureCoordinates {
         };
     }
 
-    fn get(&self, primitive: u32) -> Option<&[Vec2; 3]> {
+    pub(super) fn get(&self, primitive: u32) -> Option<&[T; 3]> {
         self.triangles.get(*self.of_primitive.get(primitive as usize)? as usize)
     }
 }
@@ -71,6 +72,10 @@ impl Geometry {
     #[inline(never)]
     pub(super) fn parameterize(&self, hit: &mut Interaction, barycentric: [f32; 2]) {
         hit.uv = self.uv_at(hit.primitive, hit.position, barycentric);
+        if let Some(given) = self.tangents.get(hit.primitive).and_then(|triangle| between(triangle, barycentric)) {
+            hit.frame = tangent_frame(hit.frame.normal, given.truncate(), given.w < 0.0);
+            return;
+        }
         let tangent = self.partials_at(hit.primitive, hit.position)[0];
         // Normal maps of meshes follow the orientation of their coordinates.
         let mirrored = self.coordinates.get(hit.primitive).is_some_and(|triangle| determinant(triangle) < 0.0);
@@ -96,6 +101,12 @@ impl Geometry {
         let along_v = (second * one.x - first * other.x) / determinant;
         if along_u.is_finite() && along_v.is_finite() { [along_u, along_v] } else { [Vec3::ZERO; 2] }
     }
+}
+
+/// The tangent at a point of a triangle, and the sign of its bitangent; none where those of the vertices cancel out.
+fn between([a, b, c]: &[Vec4; 3], [v, w]: [f32; 2]) -> Option<Vec4> {
+    let tangent = *a * (1.0 - v - w) + *b * v + *c * w;
+    (tangent.truncate().length_squared() > 0.0 && tangent.is_finite()).then_some(tangent)
 }
 
 fn edges([a, b, c]: &[Vec2; 3]) -> [Vec2; 2] {

@@ -1,15 +1,21 @@
 //! Stanford PLY meshes: ASCII, and binary of either byte order.
 //!
-//! Of the vertices x, y, z, nx, ny, nz and u, v (or s, t) are read, of the faces their vertex indices; all other
-//! elements and properties are passed over. The vertices come before the faces. Normals and texture coordinates count when all of their components are there.
+//! Of the vertices x, y, z, nx, ny, nz, u, v (or s, t) and the tangents of this program's own files are read, of the faces
+//! their vertex indices; all other elements and properties are passed over. Normals, texture coordinates and tangents count when
+//! all of their components are there.
 
 mod body;
 mod header;
+mod writer;
+
+use std::ops::Range;
 
 use super::super::error::{Location, SceneError};
 use super::triangle_mesh::TriangleMesh;
 use body::Body;
 use header::{Element, Property};
+
+pub use writer::write;
 
 /// Reads the mesh of a PLY file. `location` names the mesh file and the shape that it belongs to.
 ///
@@ -20,10 +26,12 @@ pub fn read(bytes: &[u8], location: &Location) -> Result<TriangleMesh, SceneErro
     let header = header::read(bytes, location)?;
     let mut body = Body::new(bytes, &header, location);
     let mut mesh = TriangleMesh::default();
+    // Faces may stand before the vertices, which then are counted by the header; the body is held to it.
+    let vertices = header.elements.iter().find(|element| element.name == "vertex").map_or(0, |element| element.count);
     for element in &header.elements {
         match element.name.as_str() {
             "vertex" => read_vertices(&mut body, element, &mut mesh)?,
-            "face" => read_faces(&mut body, element, &mut mesh)?,
+            "face" => read_faces(&mut body, element, vertices, &mut mesh)?,
             _ => skip(&mut body, element)?,
         }
     }
@@ -33,9 +41,15 @@ pub fn read(bytes: &[u8], location: &Location) -> Result<TriangleMesh, SceneErro
     Ok(mesh)
 }
 
-/// What each scalar property of a vertex is: a component of x y z, nx ny nz, u v; or 8 for nothing that is read.
-const COMPONENTS: [&str; 8] = ["x", "y", "z", "nx", "ny", "nz", "u", "v"];
+/// What scalar properties of a vertex are read.
+const COMPONENTS: [&str; 12] =
+    ["x", "y", "z", "nx", "ny", "nz", "u", "v", "tangent_x", "tangent_y", "tangent_z", "tangent_sign"];
+const POSITION: Range<usize> = 0..3;
+const NORMAL: Range<usize> = 3..6;
+const TEXTURE: Range<usize> = 6..8;
+const TANGENT: Range<usize> = 8..12;
 
+/// The index of a property among [`COMPONENTS`], or their number for one that is not read.
 fn component(name: &str) -> usize {
     let name = match name {
         "s" | "texture_u" => "u",
@@ -47,15 +61,16 @@ fn component(name: &str) -> usize {
 
 fn read_vertices(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh) -> Result<(), SceneError> {
     let slots: Vec<usize> = element.properties.iter().map(|property| component(property.name())).collect();
-    let has = |range: std::ops::Range<usize>| range.clone().all(|wanted| slots.contains(&wanted));
-    let (normals, coordinates) = (has(3..6), has(6..8));
-    if !has(0..3) {
+    let has = |mut range: Range<usize>| range.all(|wanted| slots.contains(&wanted));
+    let (normals, coordinates, tangents) = (has(NORMAL), has(TEXTURE), has(TANGENT));
+    if !has(POSITION) {
         return Err(body.error("the vertices lack x, y or z", "export the mesh again"));
     }
     let count = body.checked_count(element)?;
     mesh.positions.reserve_exact(count);
     mesh.normals.reserve_exact(if normals { count } else { 0 });
     mesh.texture_coordinates.reserve_exact(if coordinates { count } else { 0 });
+    mesh.tangents.reserve_exact(if tangents { count } else { 0 });
     for index in 0..count {
         let mut values = [0.0_f32; COMPONENTS.len() + 1];
         for (property, slot) in element.properties.iter().zip(&slots) {
@@ -68,15 +83,21 @@ fn read_vertices(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh
             let problem = format!("{} of vertex {index} is not finite", COMPONENTS[component]);
             return Err(body.error(&problem, "repair the mesh"));
         }
-        let [x, y, z, nx, ny, nz, u, v, _] = values;
+        let [x, y, z, nx, ny, nz, u, v, tangent @ .., _] = values;
         mesh.positions.push([x, y, z]);
         mesh.normals.extend(normals.then_some([nx, ny, nz]));
         mesh.texture_coordinates.extend(coordinates.then_some([u, v]));
+        mesh.tangents.extend(tangents.then_some(tangent));
     }
     Ok(())
 }
 
-fn read_faces(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh) -> Result<(), SceneError> {
+fn read_faces(
+    body: &mut Body<'_>,
+    element: &Element,
+    vertices: u64,
+    mesh: &mut TriangleMesh,
+) -> Result<(), SceneError> {
     let is_indices = |property: &Property| {
         matches!(property, Property::List { .. }) && ["vertex_indices", "vertex_index"].contains(&property.name())
     };
@@ -100,8 +121,7 @@ fn read_faces(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh) -
             let problem = format!("face {face} has {} corners", corners.len());
             return Err(body.error(&problem, "a face needs at least three"));
         }
-        let vertices = mesh.positions.len();
-        if let Some(index) = corners.iter().find(|index| **index as usize >= vertices) {
+        if let Some(index) = corners.iter().find(|index| u64::from(**index) >= vertices) {
             let problem = format!("face {face} refers to vertex {index}, but there are {vertices}, counted from 0");
             return Err(body.error(&problem, "repair the mesh"));
         }

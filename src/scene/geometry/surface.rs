@@ -1,17 +1,19 @@
 //! All surfaces of a scene, and where a path meets them.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::accelerator::Accelerator;
 use super::instance::{Instance, Instances};
 use super::mesh::ShapeGeometry;
-use super::parameterization::TextureCoordinates;
+use super::parameterization::AtVertices;
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray};
 use crate::math::Frame;
 
 /// Marks a shape without light.
 pub const NO_LIGHT: u32 = u32::MAX;
+/// From here on the numbers of lights are those of emission that is seen and lights nothing.
+pub const SEEN_ONLY: u32 = 1 << 31;
 /// Marks a hit outside of instances.
 pub const NO_INSTANCE: u32 = u32::MAX;
 const NO_SHADING: u32 = u32::MAX;
@@ -21,7 +23,7 @@ const NO_SHADING: u32 = u32::MAX;
 pub struct Shape {
     /// Index of its material.
     pub material: u32,
-    /// Index of its area light, or [`NO_LIGHT`].
+    /// Index of its area light, [`SEEN_ONLY`] plus the index of what is seen only, or [`NO_LIGHT`].
     pub light: u32,
     /// Whether its hits get texture coordinates and a frame along ∂p/∂u, which costs time and memory.
     pub needs_uv: bool,
@@ -45,7 +47,10 @@ pub struct Geometry {
     pub(super) accelerator: Accelerator,
     info: Vec<PrimitiveInfo>,
     shading_normals: Vec<[Vec3; 3]>,
-    pub(super) coordinates: TextureCoordinates,
+    /// Texture coordinates that meshes bring along.
+    pub(super) coordinates: AtVertices<Vec2>,
+    /// Tangents that meshes bring along, with the sign of the bitangent.
+    pub(super) tangents: AtVertices<Vec4>,
     shapes: Vec<Shape>,
     /// Only in scenes that have some; boxed since most have none.
     pub(super) instances: Option<Box<Instances>>,
@@ -99,7 +104,7 @@ impl Geometry {
         let mut primitives = Vec::with_capacity(count);
         let mut info = Vec::with_capacity(count);
         let mut shading_normals = Vec::new();
-        let mut coordinates = TextureCoordinates::default();
+        let (mut coordinates, mut tangents) = (AtVertices::<Vec2>::default(), AtVertices::<Vec4>::default());
         let mut kept_shapes = Vec::with_capacity(shapes.len());
         // Each shape's own copy is gone before the tree is built.
         for (shape, mut geometry) in shapes {
@@ -108,8 +113,11 @@ impl Geometry {
                 let shading = if smooth { (shading_normals.len() + index) as u32 } else { NO_SHADING };
                 info.push(PrimitiveInfo { shape: kept_shapes.len() as u32, shading });
             }
-            let kept = if shape.needs_uv { geometry.texture_coordinates.as_slice() } else { &[] };
-            coordinates.push_shape(geometry.primitives.len(), kept);
+            if !shape.needs_uv {
+                (geometry.texture_coordinates, geometry.tangents) = (Vec::new(), Vec::new());
+            }
+            coordinates.push_shape(geometry.primitives.len(), &geometry.texture_coordinates);
+            tangents.push_shape(geometry.primitives.len(), &geometry.tangents);
             primitives.append(&mut geometry.primitives);
             shading_normals.append(&mut geometry.shading_normals);
             kept_shapes.push(shape);
@@ -119,13 +127,14 @@ impl Geometry {
         let (accelerator, order) = Accelerator::build(&primitives);
         drop(primitives);
         coordinates.reorder(&order);
+        tangents.reorder(&order);
         let info: Vec<PrimitiveInfo> = order.iter().map(|index| info[*index as usize]).collect();
         let mut members = vec![Vec::new(); kept_shapes.len()];
         for (index, info) in info.iter().enumerate() {
             members[info.shape as usize].push(index as u32);
         }
-        let geometry =
-            Self { accelerator, info, shading_normals, coordinates, shapes: kept_shapes, instances: None, low, high };
+        let (shapes, instances) = (kept_shapes, None);
+        let geometry = Self { accelerator, info, shading_normals, coordinates, tangents, shapes, instances, low, high };
         (geometry, members)
     }
 

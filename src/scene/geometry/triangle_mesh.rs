@@ -9,6 +9,9 @@ pub struct TriangleMesh {
     pub normals: Vec<[f32; 3]>,
     /// Texture coordinates for each vertex; empty if the file has none.
     pub texture_coordinates: Vec<[f32; 2]>,
+    /// A tangent of any length for each vertex, and the sign of its bitangent: `sign·(normal × tangent)`. Empty if
+    /// tangents follow from the texture coordinates.
+    pub tangents: Vec<[f32; 4]>,
     /// Three indices into the vertices for each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Whether the file asks for flat shading.
@@ -21,5 +24,11 @@ impl TriangleMesh {
         if let [first, rest @ ..] = corners {
             self.triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
         }
+    }
+
+    /// How many bytes its numbers take.
+    pub fn size(&self) -> usize {
+        let vertices = 12 * self.positions.len() + 12 * self.normals.len() + 8 * self.texture_coordinates.len();
+        vertices + 16 * self.tangents.len() + 12 * self.triangles.len()
     }
 }

@@ -1,8 +1,10 @@
-//! `area`: a shape whose outside emits the same radiance into every direction.
+//! `area`: a shape whose outside, or both of whose sides, emit the same radiance into every direction.
 //!
 //! | parameter | meaning | unit | default |
 //! |---|---|---|---|
 //! | `radiance` | emitted radiance, also a texture | W·sr⁻¹·m⁻² | 1 |
+//! | `two_sided` | whether the inside emits, too (boolean) | – | false |
+//! | `seen_only` | whether it lights nothing: the camera sees it, straight or by mirrors and glass, and nothing else does (boolean) | – | false |
 //!
 //! Of a textured light, triangles are picked by the power that a few points of each suggest, and points uniformly in them:
 //! bright spots within a large rectangle or triangle are found by chance, which is right but noisy.
@@ -20,10 +22,31 @@ use crate::scene::geometry::ray::SurfacePoint;
 use crate::scene::geometry::{Geometry, Interaction, Primitive};
 use crate::scene::texture::{Texture, TextureReader};
 
+/// What a shape emits.
+#[derive(Clone, Debug)]
+pub struct Emission {
+    /// Emitted radiance, W·sr⁻¹·m⁻².
+    pub radiance: Texture,
+    /// Whether the inside emits, too.
+    pub two_sided: bool,
+    /// Whether it is seen and lights nothing.
+    pub seen_only: bool,
+}
+
+impl Emission {
+    /// The radiance that leaves a hit back along the path.
+    #[inline]
+    pub fn at(&self, hit: &Interaction) -> Rgb {
+        let is_shown = self.two_sided || hit.geometric_normal.dot(hit.outgoing) > 0.0;
+        if is_shown { self.radiance.color(hit.uv) } else { Rgb::ZERO }
+    }
+}
+
 /// An emitting shape.
 #[derive(Clone, Debug)]
 pub struct AreaLight {
     radiance: Texture,
+    two_sided: bool,
     /// Tree indices of its primitives, ascending.
     primitives: Vec<u32>,
     /// Over `primitives`: by area, or by power where the radiance varies.
@@ -40,9 +63,11 @@ const PICKS_BY_AREA: f64 = 0.125;
 /// Normals and places that differ so little, as a share, are those of one plane.
 const ROUNDING: f32 = 1e-4;
 
-/// Reads `radiance`.
-pub fn read_radiance(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
-    Ok(textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0)))
+/// Reads the parameters.
+pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
+    let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
+    let mut flag = |name: &'static str| fields.boolean(name).map(|flag| flag.unwrap_or(false));
+    Ok(Emission { radiance, two_sided: flag("two_sided")?, seen_only: flag("seen_only")? })
 }
 
 fn is_flat(primitive: &Primitive) -> bool {
@@ -60,12 +85,15 @@ fn probed_radiance(radiance: &Texture, primitive: u32, probes: usize, geometry: 
 
 impl AreaLight {
     /// A light over the primitives at tree indices `primitives`, ascending; `None` when they have no area.
-    pub fn new(radiance: Texture, primitives: Vec<u32>, geometry: &Geometry) -> Option<Self> {
+    pub fn new(emission: Emission, primitives: Vec<u32>, geometry: &Geometry) -> Option<Self> {
+        let Emission { radiance, two_sided, .. } = emission;
+        let sides = if two_sided { 2.0 } else { 1.0 };
         let areas: Vec<f64> = primitives.iter().map(|index| f64::from(geometry.primitive(*index).area())).collect();
         let by_area = Discrete::new(&areas)?;
         let area = by_area.total() as f32;
         if let Texture::Constant(color) = radiance {
-            return Some(Self { power: color * (PI * area), radiance, primitives, picks: by_area, area });
+            let power = color * (PI * area * sides);
+            return Some(Self { radiance, two_sided, primitives, picks: by_area, area, power });
         }
         let probes = (PROBES / primitives.len()).clamp(1, 4096);
         let means: Vec<Rgb> =
@@ -80,7 +108,8 @@ impl AreaLight {
             area * (f64::from(probed) * (1.0 - PICKS_BY_AREA) + brightness * PICKS_BY_AREA)
         };
         let weights: Vec<f64> = means.iter().zip(&areas).map(weight).collect();
-        Some(Self { radiance, primitives, picks: Discrete::new(&weights)?, area, power })
+        let picks = Discrete::new(&weights)?;
+        Some(Self { radiance, two_sided, primitives, picks, area, power: power * sides })
     }
 
     /// Tree indices of its primitives.
@@ -88,15 +117,22 @@ impl AreaLight {
         &self.primitives
     }
 
-    /// π·A·L, since one side emits; of a textured light an estimate.
+    /// π·A·L for every side that emits; of a textured light an estimate.
     pub fn power(&self) -> Rgb {
         self.power
     }
 
-    /// The radiance, where the outside is seen.
+    /// The radiance, where a side that emits is seen.
     #[inline]
     pub fn emitted(&self, hit: &Interaction) -> Rgb {
-        if hit.geometric_normal.dot(hit.outgoing) > 0.0 { self.radiance.color(hit.uv) } else { Rgb::ZERO }
+        let shines = self.cosine(hit.geometric_normal.dot(hit.outgoing)) > 0.0;
+        if shines { self.radiance.color(hit.uv) } else { Rgb::ZERO }
+    }
+
+    /// The cosine against the normal on the side that emits, from that against the outside's.
+    #[inline]
+    fn cosine(&self, outside: f32) -> f32 {
+        if self.two_sided { outside.abs() } else { outside }
     }
 
     /// A point of the light, its primitive, its radiance there and one over the density by area, m².
@@ -124,7 +160,7 @@ impl AreaLight {
         }
     }
 
-    /// From one side of a plane, or from a body that shines to all sides alike.
+    /// From one side of a plane, or from what shines to all sides alike.
     pub fn outlook(&self, geometry: &Geometry) -> Outlook {
         let primitives = || self.primitives.iter().map(|index| geometry.primitive(*index));
         let middle = |primitive: &Primitive| primitive.sample([0.5; 2]);
@@ -134,11 +170,12 @@ impl AreaLight {
         let radius = corners.map(Vec3::length).fold(0.0, f32::max);
         let first = primitives().next().map(middle);
         let normal = first.map(|point| point.normal).filter(|normal| {
-            primitives().all(|one| {
-                let point = middle(one);
-                let is_on_plane = (point.position - center).dot(*normal).abs() <= ROUNDING * radius;
-                is_flat(one) && point.normal.dot(*normal) >= 1.0 - ROUNDING && is_on_plane
-            })
+            !self.two_sided
+                && primitives().all(|one| {
+                    let point = middle(one);
+                    let is_on_plane = (point.position - center).dot(*normal).abs() <= ROUNDING * radius;
+                    is_flat(one) && point.normal.dot(*normal) >= 1.0 - ROUNDING && is_on_plane
+                })
         });
         let power = luminance(self.power);
         let (intensity, aim) = match normal {
@@ -159,7 +196,7 @@ impl AreaLight {
     #[inline]
     pub fn sample_direct(&self, geometry: &Geometry, point: Vec3, u: [f32; 2]) -> Option<DirectSample> {
         let in_cone = self.single_sphere(geometry).and_then(|sphere| sphere.sample_cone(point, u));
-        let (target, primitive, radiance, cone_or_area) = match in_cone {
+        let (mut target, primitive, radiance, cone_or_area) = match in_cone {
             Some((target, pdf)) => {
                 let uv = match self.radiance.varies() {
                     true => geometry.uv_at(self.primitives[0], target.position, [0.0; 2]),
@@ -172,6 +209,9 @@ impl AreaLight {
                 (target, primitive, radiance, Err(area))
             }
         };
+        if self.two_sided && target.normal.dot(point - target.position) < 0.0 {
+            target.normal = -target.normal;
+        }
         // The target is kept off its own surface so that rounding cannot hide it.
         let to_light = target.position + target.normal * target.error - point;
         let distance = to_light.length();
@@ -193,29 +233,39 @@ impl AreaLight {
         if let Some(pdf) = self.single_sphere(geometry).and_then(|sphere| sphere.cone_pdf(point)) {
             return pdf;
         }
-        if seen.cosine <= 0.0 {
+        let cosine = self.cosine(seen.cosine);
+        if cosine <= 0.0 {
             return 0.0;
         }
-        seen.position.distance_squared(point) / (seen.cosine * self.area_per_pick(geometry, seen.primitive))
+        seen.position.distance_squared(point) / (cosine * self.area_per_pick(geometry, seen.primitive))
     }
 
     /// The density of [`AreaLight::emit`].
     #[inline]
     pub fn emission_pdf(&self, geometry: &Geometry, seen: &SeenPoint) -> f32 {
-        seen.cosine.max(0.0) * FRAC_1_PI / self.area_per_pick(geometry, seen.primitive)
+        let pdf = self.cosine(seen.cosine).max(0.0) * FRAC_1_PI / self.area_per_pick(geometry, seen.primitive);
+        if self.two_sided { 0.5 * pdf } else { pdf }
     }
 
-    /// A point by area and power and a direction by the cosine.
+    /// A point by area and power, one of the sides, and a direction by the cosine.
     #[inline]
     pub fn emit(&self, geometry: &Geometry, place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
         let (point, primitive, radiance, area) = self.sample_point(geometry, place);
+        let (normal, direction, area) = match self.two_sided {
+            false => (point.normal, direction, area),
+            true => {
+                let side = if direction[0] < 0.5 { 1.0 } else { -1.0 };
+                let rest = (2.0 * direction[0]).fract();
+                (point.normal * side, [rest, direction[1]], 2.0 * area)
+            }
+        };
         let local = warp::cosine_hemisphere(direction);
         Some(EmittedPhoton {
-            origin: point.position + point.normal * point.error,
-            direction: Frame::from_normal(point.normal).to_world(local),
+            origin: point.position + normal * point.error,
+            direction: Frame::from_normal(normal).to_world(local),
             flux: radiance * (PI * area),
             pdf: local.z * FRAC_1_PI / area,
-            origin_kind: Origin::Surface { primitive, normal: point.normal },
+            origin_kind: Origin::Surface { primitive, normal },
             light: 0,
         })
     }

@@ -1,17 +1,20 @@
 //! All lights of a scene: photons pick them by power, surfaces mostly by what may arrive.
 
+use super::area::Emission;
 use super::outlook::{Outlook, Outlooks, Place};
 use super::{DirectSample, EmittedPhoton, FirstSegment, Light, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
 use crate::math::{Rgb, Vec3};
 use crate::scene::geometry::ray::Shear;
-use crate::scene::geometry::surface::NO_LIGHT;
+use crate::scene::geometry::surface::{NO_LIGHT, SEEN_ONLY};
 use crate::scene::geometry::{Geometry, Interaction, Ray};
 
 /// The lights, and the probabilities with which they are picked.
 pub struct LightTable {
     lights: Vec<Light>,
+    /// What is seen and lights nothing; shapes hold [`SEEN_ONLY`] plus an index.
+    seen_only: Vec<Emission>,
     by_power: Discrete,
     by_place: Outlooks,
     /// Index of the light that surrounds the scene.
@@ -45,7 +48,13 @@ impl LightTable {
             .copied()
             .collect();
         let few_emitters = (emitters.len() <= FEW).then_some(emitters);
-        Some(Self { lights, by_power, by_place, environment, has_extent, few_emitters })
+        Some(Self { lights, seen_only: Vec::new(), by_power, by_place, environment, has_extent, few_emitters })
+    }
+
+    /// The same table with what is seen and lights nothing.
+    #[must_use]
+    pub fn with_seen_only(self, seen_only: Vec<Emission>) -> Self {
+        Self { seen_only, ..self }
     }
 
     /// The lights.
@@ -117,11 +126,15 @@ impl LightTable {
     }
 
     /// Radiance that a hit emits back along the path, and the density by solid angle with which
-    /// [`LightTable::sample_direct`] from `place` finds it.
+    /// [`LightTable::sample_direct`] from `place` finds it. `is_seen`: nothing but specular surfaces lie between the hit and
+    /// the camera.
     #[inline]
-    pub fn emitted(&self, geometry: &Geometry, place: &Place, hit: &Interaction) -> Option<(Rgb, f32)> {
+    pub fn emitted(&self, geometry: &Geometry, place: &Place, hit: &Interaction, is_seen: bool) -> Option<(Rgb, f32)> {
         if hit.shape.light == NO_LIGHT {
             return None;
+        }
+        if hit.shape.light >= SEEN_ONLY {
+            return self.shown(hit, is_seen);
         }
         let index = hit.shape.light as usize;
         let radiance = self.lights[index].emitted(hit);
@@ -133,11 +146,20 @@ impl LightTable {
         Some((radiance, pdf))
     }
 
+    #[cold]
+    fn shown(&self, hit: &Interaction, is_seen: bool) -> Option<(Rgb, f32)> {
+        if !is_seen {
+            return None;
+        }
+        let radiance = self.seen_only.get((hit.shape.light - SEEN_ONLY) as usize)?.at(hit);
+        (radiance != Rgb::ZERO).then_some((radiance, 0.0))
+    }
+
     /// The density by area and solid angle with which [`LightTable::emit`] sends a photon from a hit of a light back along the
     /// path.
     #[inline]
     pub fn emission_pdf(&self, geometry: &Geometry, hit: &Interaction) -> f32 {
-        if hit.shape.light == NO_LIGHT {
+        if hit.shape.light >= SEEN_ONLY {
             return 0.0;
         }
         let index = hit.shape.light as usize;

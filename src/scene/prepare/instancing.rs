@@ -1,7 +1,7 @@
 //! `shapegroup` and `instance`: shapes that are read once and placed many times.
 //!
-//! As in Mitsuba a group is not seen by itself, its shapes have their own materials, none of them emits, and groups do not
-//! nest.
+//! As in Mitsuba a group is not seen by itself, its shapes have their own materials, none of them lights anything, and groups
+//! do not nest.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -51,7 +51,10 @@ impl Builder<'_> {
         let mut shapes = Vec::new();
         for child in fields.children(PluginClass::Shape) {
             check_member(child)?;
-            let (shape, geometry, _) = self.read_shape(child)?;
+            let (shape, geometry, emission) = self.read_shape(child)?;
+            if emission.is_some() {
+                return Err(emitting(child));
+            }
             shapes.push((shape, geometry));
         }
         fields.finish()?;
@@ -89,11 +92,12 @@ fn check_member(shape: &Node) -> Result<(), SceneError> {
         let problem = format!("a shapegroup cannot hold a shape of type \"{}\"", shape.plugin);
         return Err(SceneError::new(&shape.location, problem, "groups do not nest: put the shapes themselves into it"));
     }
-    match shape.children.iter().find(|child| child.node.class == PluginClass::Emitter) {
-        None => Ok(()),
-        Some(emitter) => {
-            let problem = "shapes of a shapegroup cannot emit";
-            Err(SceneError::new(&emitter.node.location, problem, "put the emitting shape beside the group"))
-        }
-    }
+    Ok(())
+}
+
+/// The error about a shape of a group that emits.
+fn emitting(shape: &Node) -> SceneError {
+    let emitter = shape.children.iter().find(|child| child.node.class == PluginClass::Emitter);
+    let place = emitter.map_or(&shape.location, |emitter| &emitter.node.location);
+    SceneError::new(place, "shapes of a shapegroup cannot emit", "put the emitting shape beside the group")
 }

@@ -1,8 +1,11 @@
-//! `scale`: a nested texture times a constant. Not in Mitsuba; formats with factors on textures need it.
+//! `scale`: a nested texture times a constant, and a constant more. Not in Mitsuba; formats with factors on textures need it.
 //!
 //! | parameter | meaning | range | default |
 //! |---|---|---|---|
 //! | `scale` | factor, a number or a color | ≥ 0 | 1 |
+//! | `offset` | what is added to the product, a number or a color | ≥ 0 | 0 |
+//! | `invert` | the result is 1 minus the scaled color, and at least 0 (boolean) | – | false |
+//! | `clamp` | the result is held to 0 to 1 (boolean) | – | false |
 //! | a nested texture | what is scaled | – | required |
 
 use super::{Texture, TextureReader, number_of};
@@ -15,36 +18,55 @@ use crate::scene::fields::Fields;
 #[derive(Clone, Debug)]
 pub struct Scale {
     factor: Rgb,
+    offset: Rgb,
+    invert: bool,
+    clamp: bool,
     nested: Texture,
 }
 
 impl Scale {
     /// Reads the parameters.
     pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
-        let factor = fields.rgb("scale")?.unwrap_or([1.0; 3]).map(|channel| channel as f32);
+        let mut color = |name: &'static str, default: f64| {
+            let given = fields.rgb(name)?.unwrap_or([default; 3]);
+            Ok::<Rgb, SceneError>(Rgb::from_array(given.map(|channel| channel as f32)))
+        };
+        let (factor, offset) = (color("scale", 1.0)?, color("offset", 0.0)?);
+        let invert = fields.boolean("invert")?.unwrap_or(false);
+        let clamp = fields.boolean("clamp")?.unwrap_or(false);
         let Some(node) = fields.child(PluginClass::Texture) else {
             return Err(SceneError::new(fields.location(), "\"scale\" holds no texture", "nest the texture to scale"));
         };
-        Ok(Self { factor: Rgb::from_array(factor), nested: textures.texture(node)? })
+        Ok(Self { factor, offset, invert, clamp, nested: textures.texture(node)? })
+    }
+
+    #[inline]
+    fn changed(&self, color: Rgb) -> Rgb {
+        let scaled = color * self.factor + self.offset;
+        let turned = if self.invert { (Rgb::ONE - scaled).max(Rgb::ZERO) } else { scaled };
+        if self.clamp { turned.clamp(Rgb::ZERO, Rgb::ONE) } else { turned }
     }
 
     /// The scaled color at `uv`.
     pub fn color(&self, uv: Vec2) -> Rgb {
-        self.nested.color(uv) * self.factor
+        self.changed(self.nested.color(uv))
     }
 
-    /// That of the scaled number; of a tinted color, the mean of its channels' slopes stands for the luminance's.
+    /// That of the scaled number; of a tinted color, the mean of its channels' slopes stands for the luminance's. Where values
+    /// are held to an end of the range, it is that of the values themselves.
     pub fn gradient(&self, uv: Vec2) -> Vec2 {
-        self.nested.gradient(uv) * number_of(self.factor)
+        let slope = self.nested.gradient(uv) * number_of(self.factor);
+        if self.invert { -slope } else { slope }
     }
 
-    /// The scaled mean.
+    /// The scaled mean; where values are held to an end of the range, that of the values themselves, held.
     pub fn mean(&self) -> Rgb {
-        self.nested.mean() * self.factor
+        self.changed(self.nested.mean())
     }
 
     /// The scaled bounds.
     pub fn range(&self) -> [Rgb; 2] {
-        self.nested.range().map(|bound| bound * self.factor)
+        let [low, high] = self.nested.range().map(|bound| self.changed(bound));
+        if self.invert { [high, low] } else { [low, high] }
     }
 }

@@ -35,6 +35,8 @@ struct Last {
     pdf: f32,
     /// Sums after the scattering, before the next segment.
     sums: Sums,
+    /// Whether all scattering was specular.
+    is_seen: bool,
 }
 
 impl CameraWalk<'_> {
@@ -53,7 +55,7 @@ impl CameraWalk<'_> {
         let place = [pixel % scene.width, pixel / scene.width];
         let (mut ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
         let (mut throughput, mut index_squared, mut radiance) = (Rgb::splat(count), 1.0, Rgb::ZERO);
-        let mut last = Last { place: ray.origin.into(), pdf: 0.0, sums: Sums::default() };
+        let mut last = Last { place: ray.origin.into(), pdf: 0.0, sums: Sums::default(), is_seen: true };
         for segments in 1u32.. {
             if !self.limits.allows(segments) {
                 break;
@@ -91,7 +93,8 @@ impl CameraWalk<'_> {
                 let reverse = reverse_pdf(scene, &hit, &view, sample.direction);
                 self.weighting.scatter(&sums, Densities { forward: sample.pdf, reverse }, cosine)
             };
-            last = Last { place: scene.place(&hit), pdf: sample.pdf, sums };
+            let is_seen = last.is_seen && sample.is_specular();
+            last = Last { place: scene.place(&hit), pdf: sample.pdf, sums, is_seen };
             ray = hit.ray_to(scattering.direction);
         }
         radiance
@@ -124,7 +127,7 @@ impl CameraWalk<'_> {
     ) -> Option<(Rgb, f32)> {
         let lights = &self.scene.lights;
         let arriving = match hit {
-            Some(hit) => lights.emitted(&self.scene.geometry, &last.place, hit),
+            Some(hit) => lights.emitted(&self.scene.geometry, &last.place, hit, last.is_seen),
             None => lights.environment(&last.place, ray.direction),
         };
         let (radiance, sampled) = arriving?;
