@@ -120,28 +120,22 @@ const PLUGINS: [(PluginClass, &[&str]); 10] = [
             "timed_sunsky",
         ],
     ),
-    (PluginClass::Texture, &["bitmap", "checkerboard", "mesh_attribute", "scale", "volume"]),
+    (PluginClass::Texture, &["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale", "volume"]),
 ];
 
 /// Mitsuba's plugins of classes that photonfarm does not have.
-const UNSUPPORTED: [&str; 17] = [
-    "blackbody",
+const UNSUPPORTED: [&str; 11] = [
     "blendphase",
     "constvolume",
-    "d65",
     "discrete",
     "gridvolume",
     "heterogeneous",
     "hg",
     "homogeneous",
-    "irregular",
     "isotropic",
     "rayleigh",
-    "regular",
     "sggx",
-    "srgb",
     "tabphase",
-    "uniform",
 ];
 
 /// The tags of all classes.
