@@ -9,14 +9,15 @@ pub mod error;
 pub mod fields;
 pub mod film;
 pub mod geometry;
+pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod needs;
 pub mod notice;
 pub mod prepare;
-pub mod relief;
 pub mod texture;
 
 pub use camera::Camera;
 pub use error::SceneError;
-pub use prepare::{Integrator, Scene};
+pub use integrator::Integrator;
+pub use prepare::Scene;
