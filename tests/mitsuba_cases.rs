@@ -258,3 +258,45 @@ fn mitsuba_defaults_are_ours() {
     let explicit = format!("{board}<rgb name='color0' value='0.4'/><rgb name='color1' value='0.2'/></texture>");
     assert_eq!(outcome("bsdf", "diffuse", &format!("{board}</texture>")), outcome("bsdf", "diffuse", &explicit));
 }
+
+/// A cube of a medium in an even sky, seen by parallel rays through its middle.
+fn cube_of_medium(medium: &str) -> Arc<Scene> {
+    let film = "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/><rfilter type='box'/></film>";
+    let place = "<transform name='to_world'><scale x='0.5' y='0.5'/><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>";
+    let text = format!(
+        "<scene version='3.0.0'><integrator type='volpath'/><sensor type='orthographic'>{place}{film}</sensor><emitter type='constant'/>\
+         <medium type='homogeneous' id='m'>{medium}</medium>\
+         <shape type='cube'><bsdf type='null'/><ref name='interior' id='m'/></shape></scene>"
+    );
+    let description = load_bytes("a.xml", text.as_bytes(), &[]).expect("the scene loads");
+    Arc::new(Scene::prepare(&description).expect("the scene is good"))
+}
+
+#[test]
+fn analytic_media_absorb_and_keep_what_they_scatter() {
+    let absorbs = cube_of_medium("<rgb name='sigma_t' value='0.5, 1, 2'/><rgb name='albedo' value='0'/>");
+    let picture = render(&absorbs, "path", 512);
+    for (channel, extinction) in [0.5, 1.0, 2.0].into_iter().enumerate() {
+        let found = picture.iter().map(|pixel| pixel[channel]).sum::<f64>() / picture.len() as f64;
+        let expected = f64::exp(-2.0 * extinction);
+        assert!((found - expected).abs() < 0.01, "{found} is not {expected}");
+    }
+    for phase in ["isotropic", "hg", "rayleigh"] {
+        let furnace = format!("<rgb name='sigma_t' value='2'/><rgb name='albedo' value='1'/><phase type='{phase}'/>");
+        let found = mean(&render(&cube_of_medium(&furnace), "path", 128));
+        assert!((found - 1.0).abs() < 0.02, "{phase}: {found} is not 1");
+    }
+}
+
+#[test]
+fn media_are_refused_by_methods_that_do_not_render_them() {
+    let scene = cube_of_medium("");
+    for entry in METHODS {
+        let choice = MethodChoice { name: entry.name.to_owned(), parameters: serde_json::Map::new() };
+        let checked = method::check(&choice, 64).expect("the parameters are good");
+        let prepared = method::prepare(scene.clone(), &checked, 1);
+        let error = prepared.err().map(|error| error.to_string()).unwrap_or_default();
+        assert_eq!(error.is_empty(), entry.name == "path", "{}: {error}", entry.name);
+        assert!(error.is_empty() || error.contains("participating media"), "{error}");
+    }
+}

@@ -161,9 +161,6 @@ fn says_only_class(key: &str) -> bool {
 }
 
 fn unknown_type(plugin: &str, place: &Location) -> SceneError {
-    if plugins::is_unsupported(plugin) {
-        return SceneError::new(place, format!("type \"{plugin}\" is not supported"), "remove it");
-    }
     let known: Vec<&str> = plugins::names().chain(["rgb", "spectrum", "ref"]).collect();
     SceneError::new(place, format!("there is no type {}", shown(plugin)), nearest_name(plugin, &known))
 }

@@ -11,7 +11,7 @@ pub(super) const OTHER_TAGS: [&str; 5] = ["ref", "default", "include", "alias", 
 /// The steps of a transform.
 pub(super) const STEP_TAGS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];
 /// Tags of Mitsuba that mean something photonfarm cannot do.
-const UNSUPPORTED_TAGS: [&str; 4] = ["medium", "phase", "volume", "animation"];
+const UNSUPPORTED_TAGS: [&str; 1] = ["animation"];
 
 /// Says that a tag cannot be read.
 pub(super) fn unknown_tag(place: &Location, tag: &str) -> SceneError {

@@ -2,6 +2,7 @@
 
 mod checks;
 mod instancing;
+mod lights;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -18,13 +19,15 @@ use super::geometry::surface::NO_LIGHT;
 use super::geometry::transform::ToWorld;
 use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::integrator::{self, Integrator};
-use super::light::{self, AreaLight, Light, LightTable, Place, Surroundings, area};
+use super::light::{LightTable, Place};
 use super::material::{self, Lobes, Material};
+use super::medium::{self, Medium, MediumIndex};
 use super::notice::Notice;
 use super::texture::{Texture, TextureReader};
-use crate::math::Rgb;
+use crate::math::{Rgb, Vec3};
 use checks::{check_reach, check_view};
 use instancing::Instancing;
+use lights::{light_table, place_area_lights, read_area_light};
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference. A clone shares all that is
 /// large.
@@ -44,6 +47,10 @@ pub struct Scene {
     pub materials: Arc<[Material]>,
     /// Whether some of them turn normals.
     pub turns_normals: bool,
+    /// All participating media; shapes hold indices.
+    pub media: Arc<[Medium]>,
+    /// The medium that the camera stands in.
+    pub camera_medium: MediumIndex,
     /// All lights.
     pub lights: Arc<LightTable>,
     /// Whether the camera looks through shapes that emit and sees no environment: the integrator's `hide_emitters`.
@@ -64,6 +71,9 @@ struct Builder<'a> {
     materials: Vec<Material>,
     /// Materials by the address of their node, so that shared nodes become one material, as shapes without light.
     material_of_node: HashMap<*const Node, Shape>,
+    /// Media, and their indices by the address of their node.
+    media: Vec<Medium>,
+    medium_of_node: HashMap<*const Node, u16>,
     instancing: Instancing,
     notices: Vec<String>,
 }
@@ -87,7 +97,8 @@ impl Scene {
         let sensor = fields.child(PluginClass::Sensor).ok_or_else(|| {
             SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
         })?;
-        let (film, camera) = read_sensor(sensor)?;
+        let (film, camera, around) = read_sensor(sensor)?;
+        let camera_medium = around.map(|node| builder.medium(node)).transpose()?;
         let asked = fields.child(PluginClass::Integrator).map(|node| integrator::read(node)).transpose()?;
         let (ownerless, emitters): (Vec<_>, Vec<_>) =
             fields.children(PluginClass::Emitter).into_iter().partition(|node| node.plugin == "area");
@@ -101,11 +112,12 @@ impl Scene {
             builder.notices.push(notice.to_string());
         }
         // Mitsuba passes over these where nothing asks for them.
-        for class in [PluginClass::Sampler, PluginClass::Film, PluginClass::ReconstructionFilter] {
+        let passed_over = [PluginClass::Sampler, PluginClass::Film, PluginClass::ReconstructionFilter];
+        for class in passed_over.into_iter().chain([PluginClass::Medium, PluginClass::Phase, PluginClass::Volume]) {
             fields.children(class);
         }
         fields.finish()?;
-        let Builder { mut textures, shapes, area_lights, materials, instancing, mut notices, .. } = builder;
+        let Builder { mut textures, shapes, area_lights, materials, media, instancing, mut notices, .. } = builder;
         let (integrator, hides_lights) = match asked {
             Some(asked) => {
                 notices.extend(asked.notices.iter().map(ToString::to_string));
@@ -134,6 +146,8 @@ impl Scene {
             hides_lights,
             integrator,
             notices,
+            media: media.into(),
+            camera_medium,
         })
     }
 
@@ -193,6 +207,19 @@ impl Scene {
         Some(Interaction { distance: hit.distance + passed, ..hit })
     }
 
+    /// A medium by its index.
+    #[inline]
+    pub fn medium(&self, index: MediumIndex) -> Option<&Medium> {
+        index.map(|index| &self.media[usize::from(index)])
+    }
+
+    /// The medium on the side of `direction` of a surface that was met in `medium`.
+    #[inline]
+    pub fn medium_beyond(&self, hit: &Interaction, direction: Vec3, medium: MediumIndex) -> MediumIndex {
+        let Some([inside, outside]) = hit.shape.media else { return medium };
+        if direction.dot(hit.geometric_normal) > 0.0 { outside } else { inside }
+    }
+
     /// Whether anything that the camera sees is between a ray's origin and its length.
     #[inline]
     pub fn is_hidden_from_camera(&self, ray: &Ray) -> bool {
@@ -228,6 +255,8 @@ impl<'a> Builder<'a> {
             area_lights: Vec::new(),
             materials: Vec::new(),
             material_of_node: HashMap::new(),
+            media: Vec::new(),
+            medium_of_node: HashMap::new(),
             instancing: Instancing::default(),
             notices: description.notices.iter().map(ToString::to_string).collect(),
         }
@@ -264,6 +293,7 @@ impl<'a> Builder<'a> {
             Some(node) => self.material(node)?,
             None => Shape::new(self.default_material(emitter.is_some())),
         };
+        let shape = Shape { media: self.media_of(&mut fields)?, ..shape };
         let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
@@ -285,6 +315,30 @@ impl<'a> Builder<'a> {
                 .push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
         }
         Ok(())
+    }
+
+    /// The index of a medium.
+    fn medium(&mut self, node: &Arc<Node>) -> Result<u16, SceneError> {
+        let address = Arc::as_ptr(node);
+        if let Some(known) = self.medium_of_node.get(&address) {
+            return Ok(*known);
+        }
+        let index = u16::try_from(self.media.len()).map_err(|_| {
+            SceneError::new(&node.location, "the scene has more than 65536 media", "share some of them")
+        })?;
+        self.media.push(medium::read(node)?);
+        self.medium_of_node.insert(address, index);
+        Ok(index)
+    }
+
+    /// The media inside and outside of a shape that separates two.
+    fn media_of(&mut self, fields: &mut Fields<'_>) -> Result<Option<[MediumIndex; 2]>, SceneError> {
+        let nodes = ["interior", "exterior"].map(|name| fields.named_child(PluginClass::Medium, name));
+        if nodes.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let mut read = |node: Option<&Arc<Node>>| node.map(|node| self.medium(node)).transpose();
+        Ok(Some([read(nodes[0])?, read(nodes[1])?]))
     }
 
     /// A shape with the material, and what of texture coordinates that needs.
@@ -311,61 +365,7 @@ impl<'a> Builder<'a> {
     }
 }
 
-fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
-    if node.plugin != "area" {
-        let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
-        return Err(SceneError::new(
-            &node.location,
-            problem,
-            "only \"area\" stands in a shape; put others in the scene",
-        ));
-    }
-    let mut fields = Fields::new(node);
-    let radiance = area::read_radiance(&mut fields, textures)?;
-    fields.finish()?;
-    Ok(radiance)
-}
-
-/// Turns the shapes that emit into lights.
-fn place_area_lights(
-    geometry: &mut Geometry,
-    members: &[Vec<u32>],
-    area_lights: Vec<(usize, Texture)>,
-    lights: &mut Vec<Light>,
-) {
-    for (shape, radiance) in area_lights {
-        if let Some(light) = AreaLight::new(radiance, members[shape].clone(), geometry) {
-            geometry.set_light(shape, lights.len() as u32);
-            lights.push(Light::AreaLight(light));
-        }
-    }
-}
-
-fn light_table(
-    geometry: &Geometry,
-    mut lights: Vec<Light>,
-    emitters: &[&Arc<Node>],
-    textures: &mut TextureReader<'_>,
-    description: &SceneDescription,
-) -> Result<LightTable, SceneError> {
-    let surroundings = Surroundings::new(geometry.bounds());
-    for node in emitters {
-        let light = light::read(node, surroundings, textures, &description.bundle)?;
-        if light.is_environment() && lights.iter().any(Light::is_environment) {
-            return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
-        }
-        lights.push(light);
-    }
-    LightTable::new(lights, geometry).ok_or_else(|| {
-        SceneError::new(
-            &description.root.location,
-            "nothing in the scene emits light",
-            "add an emitter with a radiance above 0",
-        )
-    })
-}
-
-fn read_sensor(node: &Node) -> Result<(Film, Camera), SceneError> {
+fn read_sensor(node: &Node) -> Result<(Film, Camera, Option<&Arc<Node>>), SceneError> {
     let mut fields = Fields::new(node);
     let film = match fields.child(PluginClass::Film) {
         Some(film) => film::read(film)?,
@@ -374,6 +374,7 @@ fn read_sensor(node: &Node) -> Result<(Film, Camera), SceneError> {
     // Mitsuba's random number source: read and not used.
     fields.child(PluginClass::Sampler);
     let camera = camera::read(&mut fields, film.whole)?;
+    let medium = fields.child(PluginClass::Medium);
     fields.finish()?;
-    Ok((film, camera))
+    Ok((film, camera, medium))
 }

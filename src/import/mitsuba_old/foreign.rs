@@ -74,7 +74,9 @@ pub(super) fn translate(mut draft: Draft, translation: &mut Translation) -> Resu
             translation.approximated(&draft, subject, "a grey of 0.5 takes its place");
             Ok(Outcome::Value(Value::Rgb([0.5; 3])))
         }
-        PluginClass::Scene => Err(unknown(&draft, &known)),
+        PluginClass::Scene | PluginClass::Medium | PluginClass::Phase | PluginClass::Volume => {
+            Err(unknown(&draft, &known))
+        }
     }
 }
 

@@ -27,12 +27,14 @@ pub struct Shape {
     pub needs_uv: bool,
     /// Whether its hits get [`Interaction::partials`].
     pub needs_partials: bool,
+    /// The medium inside, and that outside, where it separates two.
+    pub media: Option<[Option<u16>; 2]>,
 }
 
 impl Shape {
     /// A shape without light whose material does not look at texture coordinates.
     pub fn new(material: u32) -> Self {
-        Self { material, light: NO_LIGHT, needs_uv: false, needs_partials: false }
+        Self { material, light: NO_LIGHT, needs_uv: false, needs_partials: false, media: None }
     }
 }
 
