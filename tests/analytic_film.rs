@@ -46,7 +46,7 @@ fn analytic_filters_have_their_width() {
     };
     let gaussian = "<rfilter type='gaussian'><float name='stddev' value='0.8'/></rfilter>";
     for (film, expected) in [
-        ("", 1.0 / 12.0),
+        ("", 0.25),
         ("<rfilter type='box'/>", 1.0 / 12.0),
         ("<rfilter type='box'><float name='radius' value='1.5'/></rfilter>", 9.0 / 12.0),
         ("<rfilter type='tent'/>", 1.0 / 6.0),
@@ -62,7 +62,7 @@ fn analytic_filters_have_their_width() {
 
 #[test]
 fn analytic_film_points_start_at_the_top_left() {
-    let scene = scene(&integers(&[("width", 8), ("height", 4)]));
+    let scene = scene(&format!("{}<rfilter type='box'/>", integers(&[("width", 8), ("height", 4)])));
     assert_eq!(scene.film.point([0, 0], [0.0, 0.0]), (Vec2::ZERO, 1.0));
     assert_eq!(scene.film.smooth_point([7, 1], [0.5, 0.5]), Vec2::new(7.5 / 8.0, 1.5 / 4.0));
 }

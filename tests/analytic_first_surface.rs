@@ -16,7 +16,8 @@ const WALL: Rgb = Rgb::new(0.125, 0.625, 0.375);
 /// Seen from (0, 0, 5) downwards along z with a field of view of 40°.
 fn scene(shapes: &str) -> Scene {
     let film = format!(
-        "<film type='hdrfilm'><integer name='width' value='{SIDE}'/><integer name='height' value='{SIDE}'/></film>"
+        "<film type='hdrfilm'><integer name='width' value='{SIDE}'/><integer name='height' value='{SIDE}'/>\
+         <rfilter type='box'/></film>"
     );
     let place = "<transform name='to_world'><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>";
     let fields = "<float name='fov' value='40'/><float name='near_clip' value='1.5'/>";

@@ -175,7 +175,7 @@ fn pbrt_lights_have_counterparts() {
         of_class(&scene, PluginClass::Emitter)[..],
         [
             "point(intensity=2.000 4.000 6.000, position=0.000 1.000 4.000)",
-            "directional(irradiance=1.042 0.984 1.035, direction=0.000 -1.000 0.000)",
+            "directional(irradiance=1.043 0.984 1.035, direction=0.000 -1.000 0.000)",
             "constant(radiance=0.500 0.500 0.500)",
             "spot(intensity=1.000 1.000 1.000, cutoff_angle=30.000, beam_width=25.000, to_world=…)",
         ]

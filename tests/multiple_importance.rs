@@ -69,7 +69,7 @@ impl WholePath<'_> {
     fn camera_density(&self, last: usize) -> f64 {
         let count = self.hits.len();
         let pixels = self.scene.film.whole_pixel_count();
-        let pdf = self.scene.camera.pdf_solid_angle(self.direction(count, count - 1)) * pixels;
+        let pdf = self.scene.camera.pdf(self.direction(count, count - 1)) * pixels;
         let first = self.by_area(pdf, count, count - 1);
         (last..count - 1).map(|to| self.scattered(to + 2, to + 1, to, TransportMode::Radiance)).product::<f64>() * first
     }

@@ -36,7 +36,6 @@ fn scenes_that_lack_something() {
     let cases = [
         ("empty scene", String::new()),
         ("no sensor", only(&[SHAPE, LIGHT])),
-        ("no shape", only(&[SENSOR, LIGHT])),
         ("no light", only(&[SENSOR, SHAPE])),
         ("light of radiance 0", only(&[SENSOR, dark_area])),
         (
@@ -44,7 +43,7 @@ fn scenes_that_lack_something() {
             only(&[SENSOR, SHAPE, "<emitter type='point'><rgb name='intensity' value='0, 0, 0'/></emitter>"]),
         ),
         ("two environments", only(&[SENSOR, SHAPE, "<emitter type='constant'/><emitter type='constant'/>"])),
-        ("area light outside of a shape", only(&[SENSOR, SHAPE, "<emitter type='area'/>"])),
+        ("no light but an area light outside of a shape", only(&[SENSOR, SHAPE, "<emitter type='area'/>"])),
         ("point light in a shape", only(&[SENSOR, LIGHT, "<shape type='cube'><emitter type='point'/></shape>"])),
     ];
     let cases: Vec<(&str, &str)> = cases.iter().map(|(what, body)| (*what, body.as_str())).collect();
@@ -62,10 +61,6 @@ fn shapes_that_cannot_be() {
         (
             "rectangle without area",
             "$<shape type='rectangle'><transform name='to_world'><scale x='0'/></transform></shape>",
-        ),
-        (
-            "sphere scaled unevenly",
-            "$<shape type='sphere'><transform name='to_world'><scale x='2' y='1'/></transform></shape>",
         ),
         (
             "cube too large for single precision",
@@ -178,7 +173,6 @@ fn instances_that_cannot_be() {
             "tiny instance",
             format!("{}<shape type='instance'><ref id='g'/>{tiny}</shape>", group("<shape type='cube'/>")),
         ),
-        ("group that stands nowhere", format!("{SENSOR}{LIGHT}{nested}")),
     ];
     let cases: Vec<(&str, &str)> = cases.iter().map(|(what, body)| (*what, body.as_str())).collect();
     insta::assert_snapshot!(report(&cases, &[]));

@@ -243,12 +243,167 @@ fn no_path_leads_out_of_a_bundle() {
     std::os::unix::fs::symlink(outside.path().join("secret"), folder.path().join("link")).unwrap();
     let bundle = load_file(&folder.path().join("room.xml"), &[]).unwrap().bundle;
     let absolute = outside.path().join("secret").display().to_string();
-    for name in ["../secret", "parts/../room.xml", &absolute, "C:/secret", "..\\secret", "link", "parts", "", "."] {
+    for name in ["../secret", "parts/../../secret", &absolute, "C:/secret", "..\\secret", "link", "parts", "", "."] {
         assert!(bundle.read(name, &Location::default()).is_err(), "{name}");
     }
     for name in ["../scene.xml", "/scene.xml", "a/../../scene.xml"] {
         let bytes = zip(&[(name, XML.as_bytes()), ("scene.xml", XML.as_bytes())]);
         assert!(load_bytes("a.zip", &bytes, &[]).is_err(), "{name}");
+    }
+}
+
+/// A scene whose meshes lie beside its folder, and in a folder that it searches.
+fn scattered() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, content: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    };
+    let triangle = |z: f32| format!("v 0 0 {z}\nv 1 0 {z}\nv 0 1 {z}\nf 1 2 3\n");
+    write("rooms/kitchen/a.obj", &triangle(1.0));
+    write("shared/meshes/a.obj", &triangle(2.0));
+    write("shared/meshes/b.obj", &triangle(3.0));
+    write("shared/parts/lamp.xml", "<emitter type='constant'/>");
+    write("rooms/c.obj", &triangle(4.0));
+    let mesh = |name: &str| format!("<shape type='obj'><string name='filename' value='{name}'/></shape>");
+    let scene = format!(
+        "<scene version='3.0.0'><sensor type='perspective'/><path value='../../shared'/><path value='meshes'/>{}{}{}{}\
+         <include filename='parts/lamp.xml'/></scene>",
+        mesh("a.obj"),
+        mesh("b.obj"),
+        mesh("../c.obj"),
+        mesh("meshes/$mesh.obj")
+    );
+    write("rooms/kitchen/kitchen.xml", &scene);
+    folder
+}
+
+/// The heights of the scene's meshes.
+fn heights(description: &photonfarm::scene::description::SceneDescription) -> Vec<f32> {
+    let scene = photonfarm::scene::Scene::prepare(description).unwrap();
+    (0..4).map(|index| scene.geometry.primitive(index).bounds().0.z).collect()
+}
+
+#[test]
+fn search_folders_and_files_above_the_scene_work_here_and_in_the_archive() {
+    let folder = scattered();
+    let path = folder.path().join("rooms/kitchen/kitchen.xml");
+    let defines = [("mesh".to_owned(), "b".to_owned())];
+    let mut here = heights(&load_file(&path, &defines).unwrap());
+    here.sort_by(f32::total_cmp);
+    // The folder that was named last counts first, and the scene's own at the end.
+    assert_eq!(here, [2.0, 3.0, 3.0, 4.0]);
+    let bytes = pack(&path, &defines).unwrap();
+    assert_eq!(bytes, pack(&path, &defines).unwrap());
+    let mut sent = heights(&load_bytes("upload", &bytes, &defines).unwrap());
+    sent.sort_by(f32::total_cmp);
+    assert_eq!(sent, here);
+    // Native files know of no folders above.
+    let native = photonfarm::import::native::to_zip(&load_file(&path, &defines).unwrap()).unwrap();
+    let mut native = heights(&load_bytes("native", &native, &[]).unwrap());
+    native.sort_by(f32::total_cmp);
+    assert_eq!(native, here);
+}
+
+#[test]
+fn names_in_an_archive_stay_inside_of_it() {
+    let scene = "<scene version='3.0.0'><path value='../..'/><shape type='obj'><string name='filename' value='a.obj'/></shape>\
+                 <shape type='obj'><string name='filename' value='../../../b.obj'/></shape></scene>";
+    let bytes = zip(&[("scene.xml", scene.as_bytes())]);
+    let description = load_bytes("a.zip", &bytes, &[]).unwrap();
+    for name in ["a.obj", "../../../b.obj", "../../a.obj"] {
+        assert!(description.bundle.read(name, &Location::default()).is_err(), "{name}");
+    }
+    let missing = "<scene version='3.0.0'><path value='nowhere'/></scene>";
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.xml"), missing).unwrap();
+    let error = load_file(&folder.path().join("a.xml"), &[]).unwrap_err().to_string();
+    assert!(error.contains("there is no folder \"nowhere\""), "{error}");
+}
+
+#[test]
+fn what_mitsuba_passes_over_is_passed_over() {
+    for extra in [
+        "<sampler type='independent'/>",
+        "<film type='hdrfilm'/>",
+        "<rfilter type='box'/>",
+        "<emitter type='area'/>",
+        "<bsdf type='diffuse' id='a'/><ref id='a'/>",
+        "<sensor type='perspective'/>",
+        "<texture type='checkerboard' id='t'/>",
+    ] {
+        let text = format!(
+            "<scene version='3.0.0'><sensor type='perspective'/><shape type='sphere'/><emitter type='constant'/>{extra}</scene>"
+        );
+        let description = load_bytes("a.xml", text.as_bytes(), &[]).unwrap();
+        assert!(photonfarm::scene::Scene::prepare(&description).is_ok(), "{extra}");
+    }
+}
+
+#[test]
+fn integrators_hand_their_parameters_on() {
+    let integrator = |text: &str| {
+        let text = format!(
+            "<scene version='3.0.0'>{text}<sensor type='perspective'/><shape type='sphere'/><emitter type='constant'/></scene>"
+        );
+        let scene = photonfarm::scene::Scene::prepare(&load_bytes("a.xml", text.as_bytes(), &[]).unwrap()).unwrap();
+        let own = scene.integrator.map(|own| (own.name, serde_json::Value::Object(own.parameters).to_string()));
+        (own, scene.hides_lights)
+    };
+    let own = |name: &str, parameters: &str| Some((name.to_owned(), parameters.to_owned()));
+    let inner = "<integrator type='path'><integer name='max_depth' value='3'/></integrator>";
+    for wrapper in ["moment", "stokes"] {
+        let found = integrator(&format!("<integrator type='{wrapper}'>{inner}</integrator>"));
+        assert_eq!(found, (own("path", "{\"max_depth\":3}"), false));
+    }
+    let aov = "<string name='aovs' value='dd.y:depth'/>";
+    assert_eq!(
+        integrator(&format!("<integrator type='aov'>{aov}{inner}</integrator>")).0,
+        own("path", "{\"max_depth\":3}")
+    );
+    assert_eq!(integrator(&format!("<integrator type='aov'>{aov}</integrator>")).0, None);
+    let hides = "<boolean name='hide_emitters' value='true'/>";
+    let direct = format!("<integrator type='direct'><integer name='bsdf_samples' value='0'/>{hides}</integrator>");
+    assert_eq!(integrator(&direct), (own("direct", "{\"material_sampling\":\"off\",\"max_depth\":2}"), true));
+    assert_eq!(integrator("<integrator type='prb'/>").0, own("prb", "{\"max_depth\":6}"));
+}
+
+#[test]
+fn spectra_are_the_colors_of_mitsuba() {
+    let color = |place: &str, spectrum: &str| {
+        let text = format!(
+            "<scene version='3.0.0'><emitter type='constant'><rgb name='radiance' value='1'/></emitter>{place}</scene>"
+        );
+        let root = load(&text.replace("SPECTRUM", spectrum)).root;
+        let shape = &root.children[1].node.children[0].node;
+        let Value::Rgb(rgb) = shape.parameters[0].value else { panic!("not a color: {spectrum}") };
+        rgb
+    };
+    let surface = "<shape type='sphere'><bsdf type='diffuse'>SPECTRUM</bsdf></shape>";
+    let lamp = "<shape type='sphere'><emitter type='area'>SPECTRUM</emitter></shape>";
+    let points = "<spectrum name='x_reflectance' value='400:0.1, 500:0.5, 700:0.9'/>";
+    for (place, spectrum, expected) in [
+        (surface, points, [0.7754, 0.5935, 0.2770]),
+        (lamp, points, [0.9179, 0.5655, 0.2416]),
+        (lamp, "<spectrum name='radiance' value='0.5'/>", [0.6024, 0.4741, 0.4545]),
+        (surface, "<spectrum name='reflectance' value='0.5'/>", [0.5; 3]),
+        (lamp, "<spectrum name='radiance' type='d65'><float name='scale' value='2'/></spectrum>", [2.0; 3]),
+        (surface, "<spectrum name='reflectance' type='uniform'><float name='value' value='0.3'/></spectrum>", [0.3; 3]),
+        (
+            lamp,
+            "<spectrum name='radiance' type='irregular'><string name='wavelengths' value='400, 500, 700'/>\
+             <string name='values' value='0.1, 0.5, 0.9'/></spectrum>",
+            [0.9179, 0.5655, 0.2416],
+        ),
+        (
+            surface,
+            "<texture name='reflectance' type='srgb'><rgb name='color' value='0.1, 0.2, 0.3'/></texture>",
+            [0.1, 0.2, 0.3],
+        ),
+    ] {
+        let found = color(place, spectrum);
+        assert!(found.iter().zip(expected).all(|(one, other)| (one - other).abs() < 5e-4), "{spectrum}: {found:?}");
     }
 }
 

@@ -154,7 +154,7 @@ fn materials_have_their_new_names_and_the_old_defaults() {
         (
             "<bsdf type='normalmap'><texture type='bitmap'><string name='filename' value='a.png'/>\
              <float name='gamma' value='1'/></texture><bsdf type='diffuse'/></bsdf>",
-            "<bsdf type='normalmap'><texture name='normalmap' type='bitmap'><string name='filename' value='a.png'/>\
+            "<bsdf type='normalmap'><boolean name='flip_invalid_normals' value='false'/><boolean name='use_shadowing_function' value='false'/><texture name='normalmap' type='bitmap'><string name='filename' value='a.png'/>\
              <boolean name='raw' value='true'/></texture><bsdf type='diffuse'/></bsdf>",
         ),
         (
@@ -222,4 +222,21 @@ fn still_older_versions_are_read() {
     let unsigned = |description| tree(description).replace("-0.0", "0.0");
     assert_eq!(unsigned(&scene), unsigned(&same));
     assert_eq!(notices(&scene), "");
+}
+
+#[test]
+fn plugins_of_forks_become_their_nearest_kind() {
+    let scene = old("<integrator type='guided_path'><integer name='maxDepth' value='5'/></integrator>\
+         <shape type='cube'><bsdf type='disneyBRDF'><rgb name='baseColor' value='.1,.2,.3'/><float name='roughness' value='.4'/>\
+         <float name='glow' value='1'/></bsdf></shape>\
+         <shape type='cube'><bsdf type='velvet_cloth'/></shape><shape type='pointcloud'/><sampler type='bluenoise'/>");
+    let child = |index: usize| &scene.root.children[index].node;
+    assert_eq!((child(0).plugin.as_str(), value(child(0), "max_depth")), ("guided_path", &Value::Integer(5)));
+    let disney = &child(1).children[0].node;
+    assert_eq!((disney.plugin.as_str(), value(disney, "base_color")), ("principled", &Value::Rgb([0.1, 0.2, 0.3])));
+    assert_eq!(child(2).children[0].node.plugin, "diffuse");
+    let told = notices(&scene);
+    for part in ["disneyBRDF", "glow", "velvet_cloth", "pointcloud", "bluenoise"] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
 }

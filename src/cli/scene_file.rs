@@ -59,14 +59,12 @@ fn attribute_text(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-/// The archive with its scene file changed: `scene.xml`, or the only `.xml` file at its top level.
+/// The archive with its scene file changed.
 fn define_in_archive(bytes: Vec<u8>, defines: &[Define]) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
-    let mut archive = ZipArchive::new(Cursor::new(bytes))?;
+    let mut archive = ZipArchive::new(Cursor::new(&bytes))?;
     let names = archive.file_names().map(|name| name.map(String::from)).collect::<Result<Vec<String>, _>>()?;
-    let top: Vec<String> = names.into_iter().filter(|name| !name.contains('/')).collect();
-    let is_xml = |name: &&String| name.to_ascii_lowercase().ends_with(".xml");
-    let standard = top.iter().find(|name| *name == "scene.xml");
-    let scene = standard.or_else(|| top.iter().find(is_xml)).ok_or("the archive has no XML scene")?;
+    let scene = import::scene_in_archive(&bytes, names.iter().map(String::as_str))?;
+    let comment = String::from_utf8_lossy(archive.comment()).into_owned();
     let options = SimpleFileOptions::default().last_modified_time(DateTime::default()).unix_permissions(0o644);
     let mut changed = ZipWriter::new(Cursor::new(Vec::new()));
     for index in 0..archive.len() {
@@ -78,8 +76,9 @@ fn define_in_archive(bytes: Vec<u8>, defines: &[Define]) -> Result<Vec<u8>, Box<
         let mut content = Vec::new();
         file.read_to_end(&mut content)?;
         changed.start_file(name.as_str(), options)?;
-        changed.write_all(&if name == *scene { define_in_xml(&content, defines)? } else { content })?;
+        changed.write_all(&if name == scene { define_in_xml(&content, defines)? } else { content })?;
     }
+    changed.set_comment(comment)?;
     Ok(changed.finish()?.into_inner())
 }
 

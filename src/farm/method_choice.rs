@@ -16,11 +16,18 @@ pub const AUTO: &str = "auto";
 /// picture, and what suits path tracing does not suit photons.
 const SHARED_PARAMETERS: [&str; 1] = ["max_depth"];
 /// Mitsuba's integrators that are methods here under another name.
-const COUNTERPARTS: [(&str, &str); 3] =
-    [("ptracer", "light_tracing"), ("volpath", "path"), ("photonmapper", "photon_map")];
+const COUNTERPARTS: [(&str, &str); 8] = [
+    ("ptracer", "light_tracing"),
+    ("photonmapper", "photon_map"),
+    ("direct", "path"),
+    ("volpath", "path"),
+    ("volpathmis", "path"),
+    ("prb", "path"),
+    ("prb_basic", "path"),
+    ("prbvolpath", "path"),
+];
 /// Parameters of Mitsuba's integrators that methods here do not have, and what happens instead.
-const PASSED_OVER: [(&str, &str); 3] = [
-    ("hide_emitters", "lamps are always seen"),
+const PASSED_OVER: [(&str, &str); 2] = [
     ("strict_normals", "directions that shading normals and surfaces disagree on are always dark"),
     ("samples_per_pass", "the farm cuts passes into shards by itself"),
 ];

@@ -3,14 +3,13 @@
 //! Changes travel with the scene that they change, as the file [`FILE`] of its archive: a scene and its changes are one thing
 //! with one hash, and whoever loads it sees the same.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::pack::{standard_name, write_zip};
 use super::{Format, Source, default_environment, format, resolve};
-use crate::scene::bundle::Bundle;
+use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, scene_in_comment};
 use crate::scene::description::{Child, Node, Parameter, PluginClass, Value};
 use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
@@ -250,15 +249,15 @@ pub fn with_changes(bytes: &[u8], changes: &Changes) -> Result<Vec<u8>, SceneErr
     }
     let place = Location { file: "scene".to_owned(), ..Location::default() };
     let source = Source::from_bytes("scene", bytes.into())?;
-    let mut files = match &source.bundle {
-        Bundle::Archive(files) => BTreeMap::clone(files),
-        Bundle::Folder(_) | Bundle::Generated(..) => BTreeMap::new(),
+    let found = format(bytes, &place)?;
+    let mut files = match found {
+        Format::Zip => Bundle::from_zip(bytes, &place)?.into_files(),
+        single => Files::from([(standard_name(single).to_owned(), source.text.clone())]),
     };
-    if format(bytes, &place)? != Format::Zip {
-        files.insert(standard_name(format(bytes, &place)?).to_owned(), source.text.clone());
-    }
+    let comment = scene_in_comment(bytes).filter(|_| found == Format::Zip);
+    let comment = comment.map(|scene| format!("{SCENE_COMMENT}{scene}")).unwrap_or_default();
     let json = serde_json::to_vec(&changes.clone().over(source.changes));
     let failed = |error: String| SceneError::new(&place, format!("the changes cannot be packed: {error}"), "");
     files.insert(FILE.to_owned(), json.map_err(|error| failed(error.to_string()))?.into());
-    write_zip(&files).map_err(|error| failed(error.to_string()))
+    write_zip(&files, &comment).map_err(|error| failed(error.to_string()))
 }

@@ -69,6 +69,45 @@ impl Draft {
     }
 }
 
+/// Defaults of Mitsuba 3 that other formats do not share.
+impl Draft {
+    /// Writes out what other formats mean where Mitsuba 3 has a default of its own: films without a filter have a box, which is
+    /// the pixel's own square, and normals are turned without corrections.
+    pub(super) fn state_plain_defaults(&mut self) {
+        let has = |draft: &Draft, class| {
+            draft.children.iter().any(|child| matches!(&child.target, Target::Plugin(plugin) if plugin.class == class))
+        };
+        let lacking = match self.class {
+            PluginClass::Sensor => Some((PluginClass::Film, "hdrfilm")),
+            PluginClass::Film => Some((PluginClass::ReconstructionFilter, "box")),
+            PluginClass::Bsdf if ["bumpmap", "normalmap"].contains(&self.plugin.as_str()) => {
+                self.state_plain_normals();
+                None
+            }
+            _ => None,
+        };
+        if let Some((class, plugin)) = lacking.filter(|(class, _)| !has(self, *class)) {
+            let (target, location) = (Target::Plugin(Draft::new(class, plugin, &self.location)), self.location.clone());
+            self.children.push(DraftChild { name: String::new(), target, location });
+        }
+        for child in &mut self.children {
+            if let Target::Plugin(plugin) = &mut child.target {
+                plugin.state_plain_defaults();
+            }
+        }
+    }
+
+    /// Writes out that a normal or bump map turns normals without the corrections of Mitsuba 3.6 and later.
+    pub(super) fn state_plain_normals(&mut self) {
+        for name in ["flip_invalid_normals", "use_shadowing_function"] {
+            if !self.parameters.iter().any(|parameter| parameter.name == name) {
+                let (value, location) = (Value::Boolean(false), self.location.clone());
+                self.parameters.push(Parameter { name: name.to_owned(), value, location });
+            }
+        }
+    }
+}
+
 /// The types of parameters, for each of which there is one way to give it.
 impl Draft {
     pub(super) fn with_float(self, name: &str, number: f64) -> Self {

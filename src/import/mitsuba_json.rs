@@ -4,6 +4,7 @@ use glam::DMat4;
 
 use super::draft::{Draft, DraftChild, Target};
 use super::json_text::Json;
+use super::spectra::{self, Purpose};
 use super::substitution::refuse_defines;
 use super::values::{self, shown};
 use super::{DEPTH_LIMIT, plugins, transform};
@@ -116,7 +117,12 @@ fn dictionary(
     let plugin = type_of(entries, &place)?;
     match (plugin, plugins::class_of_plugin(plugin)) {
         ("rgb" | "spectrum", _) => {
-            let value = color(plugin, entries, &place)?;
+            let value = color(plugin, entries, Purpose::of(parent.class, key), &place)?;
+            parent.parameters.push(Parameter { name: key.to_owned(), value, location: place });
+        }
+        (plugin, _) if spectra::PLUGINS.contains(&plugin) && !in_scene => {
+            let spectrum = draft(entries, PluginClass::Texture, plugin, place.clone(), depth + 1)?;
+            let value = Value::Rgb(spectra::of_plugin(&spectrum, Purpose::of(parent.class, key))?);
             parent.parameters.push(Parameter { name: key.to_owned(), value, location: place });
         }
         ("ref", _) if in_scene => {
@@ -155,14 +161,11 @@ fn says_only_class(key: &str) -> bool {
 }
 
 fn unknown_type(plugin: &str, place: &Location) -> SceneError {
-    if plugins::is_unsupported(plugin) {
-        return SceneError::new(place, format!("type \"{plugin}\" is not supported"), "remove it");
-    }
     let known: Vec<&str> = plugins::names().chain(["rgb", "spectrum", "ref"]).collect();
     SceneError::new(place, format!("there is no type {}", shown(plugin)), nearest_name(plugin, &known))
 }
 
-fn color(kind: &str, entries: &Dictionary, place: &Location) -> Result<Value, SceneError> {
+fn color(kind: &str, entries: &Dictionary, purpose: Purpose, place: &Location) -> Result<Value, SceneError> {
     only_keys(entries, &["type", "value"], place)?;
     let value = entry(entries, "value");
     let numbers = value.and_then(|value| value.number().map(|grey| vec![grey]).or_else(|| value.numbers()));
@@ -173,8 +176,14 @@ fn color(kind: &str, entries: &Dictionary, place: &Location) -> Result<Value, Sc
         ("rgb", None, Some(Json::String(text))) => {
             values::rgb(text).map_err(|(problem, remedy)| SceneError::new(place, problem, remedy))
         }
-        ("spectrum", Some([grey]), _) => Ok(Value::Rgb([*grey; 3])),
-        ("spectrum", _, _) => Err(SceneError::new(place, "spectra are not supported", values::SPECTRUM_REMEDY)),
+        ("spectrum", Some([number]), _) => Ok(Value::Rgb(spectra::of_number(*number, purpose))),
+        ("spectrum", _, Some(Json::Array(points))) => {
+            let numbers: Option<Vec<Vec<f64>>> =
+                points.iter().map(|point| point.numbers().filter(|pair| pair.len() == 2)).collect();
+            let refusal = || ("the spectrum is no list of pairs".to_owned(), "write [[400, 0.5], [700, 0.8]]");
+            let found = numbers.ok_or_else(refusal).and_then(|pairs| spectra::of_pairs(&pairs.concat(), purpose));
+            found.map(Value::Rgb).map_err(|(problem, remedy)| SceneError::new(place, problem, remedy))
+        }
         _ => Err(SceneError::new(place, "the rgb has no color", "write \"value\": [red, green, blue] or one number")),
     }
 }

@@ -1,5 +1,7 @@
 //! Mitsuba scenes in XML: those of Mitsuba 3, and with [`mitsuba_old`] those of Mitsuba 0.6 and before.
 
+mod files;
+
 use std::collections::BTreeMap;
 
 use glam::DMat4;
@@ -7,6 +9,7 @@ use roxmltree::Node;
 
 use super::draft::{Alias, Draft, DraftChild, Reading, Target};
 use super::mitsuba_old::{self, Old, Version};
+use super::spectra::{self, Purpose};
 use super::substitution::Parameters;
 use super::values::{self, Refusal, shown};
 use super::xml_element::{Attributes, File, step_matrix};
@@ -16,11 +19,6 @@ use crate::scene::bundle::Bundle;
 use crate::scene::description::{Parameter, PluginClass, Value};
 use crate::scene::error::{Location, SceneError, nearest_name};
 use crate::scene::notice::Notice;
-
-/// How deep files may include files, as in Mitsuba.
-const INCLUDE_DEPTH_LIMIT: usize = 15;
-/// How many files a scene may include in all.
-const INCLUDE_LIMIT: usize = 1000;
 
 /// Reads a scene file and everything that it includes from `bundle`.
 pub(super) fn read(
@@ -36,6 +34,7 @@ pub(super) fn read(
         aliases: Vec::new(),
         includes: Vec::new(),
         open: Vec::new(),
+        search_folders: Vec::new(),
         notices: Vec::new(),
         version: Version(3, 0),
         old: Old::default(),
@@ -53,6 +52,7 @@ pub(super) fn read(
     reader.open.push(location.file.clone());
     reader.contents(&file, root, 0, &mut scope)?;
     reader.parameters.check_all_used(&scope.draft.location)?;
+    reader.look_up_files(&mut scope.draft);
     let Reader { aliases, includes, notices, version, old, .. } = reader;
     let reading = Reading { root: scope.draft, aliases, includes, notices };
     if version.is_old() { mitsuba_old::translate(reading, version, old, bundle) } else { Ok(reading) }
@@ -91,6 +91,8 @@ pub(super) struct Reader<'a> {
     includes: Vec<(String, Location)>,
     /// The files that are being read, each included by the one before.
     open: Vec<String>,
+    /// The folders of `<path>`, relative to the scene's: the last one is searched first, and the scene's own at the end.
+    search_folders: Vec<String>,
     pub(super) notices: Vec<Notice>,
     /// The scene file's.
     version: Version,
@@ -194,7 +196,7 @@ impl Reader<'_> {
             Some(class) => self.plugin(file, element, depth, class, scope),
             None if old && mitsuba_old::COLOR_TAGS.contains(&tag) => self.old_child(file, element, scope),
             None if tag == "transform" => self.transform(file, element, scope),
-            None if VALUE_TAGS.contains(&tag) => self.value(file, element, scope),
+            None if VALUE_TAGS.contains(&tag) => self.value(file, element, depth, scope),
             None if OTHER_TAGS.contains(&tag) => self.other(file, element, depth, scope),
             None if old && !STEP_TAGS.contains(&tag) => self.old_child(file, element, scope),
             None => Err(unknown_tag(&place, tag)),
@@ -221,17 +223,26 @@ impl Reader<'_> {
         }
         self.contents(file, element, depth, &mut scope)?;
         let name = attributes.get("name").unwrap_or_default().to_owned();
+        if class == PluginClass::Texture && spectra::PLUGINS.contains(&scope.draft.plugin.as_str()) {
+            return self.spectral_plugin(&name, scope.draft, parent);
+        }
         parent.draft.children.push(DraftChild { name, target: Target::Plugin(scope.draft), location });
         Ok(())
     }
 
-    fn value(&mut self, file: &File<'_>, element: Node<'_, '_>, scope: &mut Scope) -> Result<(), SceneError> {
+    fn value(
+        &mut self,
+        file: &File<'_>,
+        element: Node<'_, '_>,
+        depth: usize,
+        scope: &mut Scope,
+    ) -> Result<(), SceneError> {
         let tag = element.tag_name().name();
         let vector = ["point", "vector"].contains(&tag);
         let path = parameter_path(element, scope);
         let place = file.place(element, path.as_str());
         if tag == "spectrum" && (element.has_attribute("filename") || element.has_attribute("type")) {
-            return Err(SceneError::new(&place, "spectra are not supported", values::SPECTRUM_REMEDY));
+            return self.spectrum(file, element, depth, scope);
         }
         let (required, optional): (&[&str], &[&str]) =
             if vector { (&["name"], &["value", "x", "y", "z"]) } else { (&["name", "value"], &[]) };
@@ -243,12 +254,51 @@ impl Reader<'_> {
             "float" => values::float(text).map(Value::Float),
             "boolean" => values::boolean(text).map(Value::Boolean),
             "rgb" => values::rgb(text),
-            "spectrum" => values::spectrum(text),
+            "spectrum" => spectra::text(text, Purpose::of(scope.draft.class, attributes.text("name"))),
             _ if vector => attributes.triple(0.0).map(Value::Vector),
             _ => Ok(Value::String(text.to_owned())),
         };
         let value = value.map_err(|refusal| refused(&place, tag, refusal))?;
         scope.draft.parameters.push(Parameter { name: attributes.text("name").to_owned(), value, location: place });
+        Ok(())
+    }
+
+    /// A `<spectrum>` of a file, or a plugin.
+    fn spectrum(
+        &mut self,
+        file: &File<'_>,
+        element: Node<'_, '_>,
+        depth: usize,
+        scope: &mut Scope,
+    ) -> Result<(), SceneError> {
+        if element.has_attribute("type") {
+            return self.plugin(file, element, depth, PluginClass::Texture, scope);
+        }
+        let path = parameter_path(element, scope);
+        let location = file.place(element, path.as_str());
+        let attributes = self.attributes(file, element, &path, &["name", "filename"], &[])?;
+        self.refuse_contents(file, element, &path)?;
+        let (name, spectrum) = (attributes.text("name"), self.looked_up(attributes.text("filename")));
+        self.register_file(&spectrum, &location)?;
+        let content = self.bundle.read(&spectrum, &location)?;
+        let value = spectra::file(&content, Purpose::of(scope.draft.class, name));
+        let value = value.map_err(|refusal| refused(&location, "spectrum", refusal))?;
+        scope.draft.parameters.push(Parameter { name: name.to_owned(), value, location });
+        Ok(())
+    }
+
+    /// A spectrum that is written as a plugin: the color in its place, or a texture of that where others may refer to it.
+    fn spectral_plugin(&mut self, name: &str, draft: Draft, parent: &mut Scope) -> Result<(), SceneError> {
+        let rgb = spectra::of_plugin(&draft, Purpose::of(parent.draft.class, name))?;
+        let location = draft.location.clone();
+        if draft.id.is_empty() && parent.draft.class != PluginClass::Scene && parent.draft.class != PluginClass::Texture
+        {
+            parent.draft.parameters.push(Parameter { name: name.to_owned(), value: Value::Rgb(rgb), location });
+            return Ok(());
+        }
+        let mut texture = Draft::new(PluginClass::Texture, "rawconstant", &location).with_rgb("value", rgb);
+        texture.id = draft.id;
+        parent.draft.children.push(DraftChild { name: name.to_owned(), target: Target::Plugin(texture), location });
         Ok(())
     }
 
@@ -306,6 +356,7 @@ impl Reader<'_> {
             "ref" => (&["id"], &["name"]),
             "default" => (&["name", "value"], &[]),
             "alias" => (&["id", "as"], &[]),
+            "path" => (&["value"], &[]),
             _ => (&["filename"], &[]),
         };
         let attributes = self.attributes(file, element, &path, required, optional)?;
@@ -314,8 +365,10 @@ impl Reader<'_> {
         match tag {
             "ref" => {
                 if scope.draft.class == PluginClass::Scene {
-                    let remedy = "remove it, or move it into the plugin that is to use it";
-                    return Err(SceneError::new(&location, "a <ref> directly in the scene has no effect", remedy));
+                    let explanation = "it stands directly in the scene, where it has no effect";
+                    let subject = format!("<ref id={}>", shown(attributes.text("id")));
+                    self.notices.push(Notice::ignored(&location, subject, explanation));
+                    return Ok(());
                 }
                 let name = attributes.get("name").unwrap_or_default().to_owned();
                 let target = Target::Reference(attributes.text("id").to_owned());
@@ -328,49 +381,12 @@ impl Reader<'_> {
                 let (known, other) = (attributes.text("id").to_owned(), attributes.text("as").to_owned());
                 self.aliases.push(Alias { known, other, location });
             }
-            _ => self.include(attributes.text("filename"), &location, depth, scope)?,
-        }
-        Ok(())
-    }
-
-    /// Remembers a file that is read on the way.
-    pub(super) fn register_file(&mut self, name: &str, location: &Location) -> Result<(), SceneError> {
-        if self.includes.len() >= INCLUDE_LIMIT {
-            let problem = format!("the scene includes more than {INCLUDE_LIMIT} files");
-            return Err(SceneError::new(location, problem, "merge some of them"));
-        }
-        self.includes.push((name.to_owned(), location.clone()));
-        Ok(())
-    }
-
-    fn include(&mut self, name: &str, location: &Location, depth: usize, scope: &mut Scope) -> Result<(), SceneError> {
-        if self.open.iter().any(|open| open == name) {
-            let problem = format!("file \"{name}\" includes itself");
-            return Err(SceneError::new(location, problem, "remove this <include>"));
-        }
-        if self.open.len() > INCLUDE_DEPTH_LIMIT {
-            let problem = format!("files include files more than {INCLUDE_DEPTH_LIMIT} deep");
-            return Err(SceneError::new(location, problem, "include the innermost files directly"));
-        }
-        self.register_file(name, location)?;
-        let bytes = self.bundle.read(name, location)?;
-        let start = Location { file: name.to_owned(), line: 0, path: location.path.clone() };
-        let text = File::text(&bytes, &start)?;
-        let document = File::parse(text, &start)?;
-        let file = File::new(name, text);
-        self.open.push(name.to_owned());
-        let root = document.root_element();
-        if root.tag_name().name() == "scene" {
-            let version = self.version_of(&file, root)?;
-            if version.is_old() != self.version.is_old() {
-                let problem = "scenes of Mitsuba 3 and of Mitsuba 0.6 or before include each other";
-                return Err(SceneError::new(location, problem, "convert one of them with photonfarm import"));
+            "path" => self.search_folder(attributes.text("value"), &location, scope)?,
+            _ => {
+                let name = self.looked_up(attributes.text("filename"));
+                self.include(&name, &location, depth, scope)?;
             }
-            self.contents(&file, root, depth, scope)?;
-        } else {
-            self.child(&file, root, depth, scope)?;
         }
-        self.open.pop();
         Ok(())
     }
 }

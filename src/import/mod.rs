@@ -23,6 +23,7 @@ mod pack;
 mod pbrt;
 mod plugins;
 mod resolve;
+mod spectra;
 mod substitution;
 mod transform;
 mod values;
@@ -33,7 +34,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::scene::bundle::{Bundle, read_file};
+use crate::scene::bundle::{Bundle, read_file, scene_in_comment};
 use crate::scene::description::{Node, SceneDescription, Value};
 use crate::scene::error::{Location, SceneError};
 use changes::Changes;
@@ -71,8 +72,8 @@ pub fn load_changed(
 
 /// Reads a scene from memory: XML, JSON, glTF, GLB, MGF or pbrt that stands alone, or a zip archive.
 ///
-/// An archive's scene file is `scene.xml`, `scene.json`, `scene.gltf`, `scene.glb`, `scene.mgf` or `scene.pbrt` at its top
-/// level, or else the only file there with one of these extensions. `name` is what errors call the file. See [`load_file`] for `defines`.
+/// An archive's scene file is the one that its comment names, `scene.xml`, `scene.json`, `scene.gltf`, `scene.glb`,
+/// `scene.mgf` or `scene.pbrt` at its top level, or else the only file there with one of these extensions. `name` is what errors call the file. See [`load_file`] for `defines`.
 ///
 /// # Errors
 /// As [`load_file`]; also when the archive is malformed or its scene file is missing or ambiguous.
@@ -115,12 +116,13 @@ impl Source {
             return Ok(Self { name, text: bytes, bundle, changes });
         }
         let bundle = Bundle::from_zip(&bytes, &location)?;
-        let scene = scene_file(bundle.names().iter().map(String::as_str)).map_err(|problem| {
+        let scene = scene_in_archive(&bytes, bundle.names().iter().map(String::as_str)).map_err(|problem| {
             SceneError::new(&location, problem, "put one scene.xml or scene.json at the top level")
         })?;
         let text = bundle.read(&scene, &location)?;
         let changes = changes::read(&bundle)?;
-        Ok(Self { name: scene, text, bundle, changes })
+        let (folder, name) = scene.rsplit_once('/').unwrap_or(("", &scene));
+        Ok(Self { name: name.to_owned(), text, bundle: bundle.seen_from(folder), changes })
     }
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
@@ -157,7 +159,10 @@ impl Source {
                 return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
             }
         };
-        let Reading { root, aliases, includes: mut files, mut notices } = reading;
+        let Reading { mut root, aliases, includes: mut files, mut notices } = reading;
+        if !matches!(found, Format::Xml | Format::Json) {
+            root.state_plain_defaults();
+        }
         let mut root = resolve::resolve(&root, &aliases)?;
         // The others choose while they read.
         if !matches!(found, Format::Gltf | Format::Glb | Format::Ceng795) {
@@ -219,6 +224,17 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
 
 /// What the scene file of an archive may be called whatever stands beside it.
 const STANDARD_NAMES: [&str; 6] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb", "scene.mgf", "scene.pbrt"];
+
+/// The scene file of an archive with files of these names: the one that its comment names, else [`scene_file`].
+///
+/// # Errors
+/// Why there is none.
+pub fn scene_in_archive<'a>(archive: &[u8], names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
+    match scene_in_comment(archive) {
+        Some(scene) if names.clone().any(|name| name == scene) => Ok(scene),
+        _ => scene_file(names),
+    }
+}
 
 /// The scene file among the names in an archive, or why there is none.
 fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {

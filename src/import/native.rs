@@ -9,7 +9,7 @@ use serde_json::{Map, Value as Json, json};
 
 use super::pack::write_zip;
 use super::{collect_file_names, plugins};
-use crate::scene::bundle::checked_name;
+use crate::scene::bundle::{normalized_name, steps_up};
 use crate::scene::description::{Child, Node, PluginClass, SceneDescription, Value};
 use crate::scene::error::{Location, SceneError};
 
@@ -39,14 +39,14 @@ pub fn to_json(description: &SceneDescription) -> Result<String, SceneError> {
 /// The files that the scene refers to, by their names in it.
 ///
 /// # Errors
-/// When a file is missing, cannot be read, or has a name that leads out of the scene's folder.
+/// When a file is missing, cannot be read, or has a name that leads out of the archive that the scene came in.
 pub fn files(description: &SceneDescription) -> Result<BTreeMap<String, Arc<[u8]>>, SceneError> {
     let mut names = Vec::new();
     let mut seen = HashSet::new();
     collect_file_names(&description.root, &mut seen, &mut names);
     let mut files = BTreeMap::new();
     for (name, location) in names {
-        files.insert(checked_name(&name, &location)?, description.bundle.read(&name, &location)?);
+        files.insert(native_name(&normalized_name(&name, &location)?), description.bundle.read(&name, &location)?);
     }
     Ok(files)
 }
@@ -62,8 +62,14 @@ pub fn to_zip(description: &SceneDescription) -> Result<Vec<u8>, SceneError> {
         let problem = format!("a file that the scene refers to is called {SCENE_FILE} itself");
         return Err(SceneError::new(location, problem, "give it another name"));
     }
-    write_zip(&files)
+    write_zip(&files, "")
         .map_err(|error| SceneError::new(location, format!("the scene cannot be packed: {error}"), "pack it by hand"))
+}
+
+/// The name of a file beside the native scene: files from above the scene's folder go into the folder `above`, and so on.
+fn native_name(name: &str) -> String {
+    let (above, inside) = steps_up(name);
+    "above/".repeat(above) + inside
 }
 
 fn address(node: &Arc<Node>) -> *const Node {
@@ -163,7 +169,13 @@ impl Writer {
             entries.insert("id".to_owned(), id.as_str().into());
         }
         for parameter in &node.parameters {
-            let value = value(&parameter.value).ok_or_else(|| {
+            let value = match &parameter.value {
+                Value::String(name) if parameter.name == "filename" && steps_up(name).0 > 0 => {
+                    Some(native_name(name).into())
+                }
+                other => value(other),
+            };
+            let value = value.ok_or_else(|| {
                 let problem = format!("\"{}\" is not finite, which JSON cannot hold", parameter.name);
                 SceneError::new(&parameter.location, problem, "give finite numbers")
             })?;

@@ -9,14 +9,15 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::{Format, Source, format, read_source, scene_file};
-use crate::scene::bundle::{Bundle, checked_name};
+use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, normalized_name, steps_up, without_common_folder};
 use crate::scene::error::{Location, SceneError};
 
 /// Reads the scene at `path` and every file it refers to, and gives the bytes that [`super::load_bytes`] reads.
 ///
 /// A scene that refers to no file stays as it is; otherwise it becomes a zip archive, whose bytes depend on the files'
 /// names and contents only. Files that a scene refers to are those it includes and every string parameter called
-/// `filename`. `defines` are as in [`super::load_file`]: they may choose files, and are not packed themselves.
+/// `filename`. Where some of them lie above the scene's folder, the archive holds the nearest folder that has them all, and
+/// its comment names the scene file. `defines` are as in [`super::load_file`]: they may choose files, and are not packed themselves.
 ///
 /// # Errors
 /// As [`super::load_file`]; when a file is missing; when the scene's file name would be ambiguous in the archive.
@@ -25,7 +26,7 @@ pub fn pack(path: &Path, defines: &[(String, String)]) -> Result<Vec<u8>, SceneE
     let imported = source.import(defines)?;
     let mut files = BTreeMap::new();
     for (name, location) in &imported.files {
-        files.insert(checked_name(name, location)?, source.bundle.read(name, location)?);
+        files.insert(normalized_name(name, location)?, source.bundle.read(name, location)?);
     }
     if let Bundle::Archive(_) = source.bundle {
         // An archive is what was asked for already, and all that it refers to is inside.
@@ -38,9 +39,56 @@ pub fn pack(path: &Path, defines: &[(String, String)]) -> Result<Vec<u8>, SceneE
         return Ok(source.text.to_vec());
     }
     let location = Location { file: source.name.clone(), ..Location::default() };
-    files.insert(name_in_archive(&source, &files, &location)?, source.text.clone());
-    write_zip(&files)
+    let (files, comment) = match files.keys().map(|name| steps_up(name).0).max() {
+        Some(0) | None => {
+            files.insert(name_in_archive(&source, &files, &location)?, source.text.clone());
+            (files, String::new())
+        }
+        Some(above) => from_above(&source, files, above, path, &location)?,
+    };
+    write_zip(&files, &comment)
         .map_err(|error| SceneError::new(&location, format!("the scene cannot be packed: {error}"), "pack it by hand"))
+}
+
+/// The files by their names in the folder `above` steps over the scene's, with the scene; and the archive's comment.
+fn from_above(
+    source: &Source,
+    files: Files,
+    above: usize,
+    path: &Path,
+    location: &Location,
+) -> Result<(Files, String), SceneError> {
+    let whole = path.canonicalize().map_err(|error| {
+        SceneError::new(location, format!("the scene's folder cannot be read: {error}"), "check its permissions")
+    })?;
+    let parents = whole.parent().map(|folder| folder.components()).into_iter().flatten().rev().take(above);
+    let mut folders: Vec<String> =
+        parents.map(|part| part.as_os_str().to_string_lossy().into_owned()).filter(|part| part != "/").collect();
+    folders.reverse();
+    if folders.len() < above {
+        return Err(SceneError::new(location, "a file name leads above all folders", "give fewer \"..\""));
+    }
+    let renamed = files.into_iter().map(|(name, content)| (normalized(&folders, &name), content));
+    let mut renamed: Files = renamed.collect();
+    let mut scene = normalized(&folders, &source.name);
+    renamed.insert(scene.clone(), source.text.clone());
+    loop {
+        let count = renamed.keys().map(String::len).sum::<usize>();
+        renamed = without_common_folder(renamed);
+        if renamed.keys().map(String::len).sum::<usize>() == count {
+            break;
+        }
+        scene = scene.split_once('/').map_or(scene.clone(), |(_, inside)| inside.to_owned());
+    }
+    let comment = if scene.contains('/') { format!("{SCENE_COMMENT}{scene}") } else { String::new() };
+    Ok((renamed, comment))
+}
+
+/// A normalised name that is seen from the folder `folders`, as seen from the top.
+fn normalized(folders: &[String], name: &str) -> String {
+    let (above, inside) = steps_up(name);
+    let kept = folders.iter().take(folders.len() - above.min(folders.len())).map(String::as_str);
+    kept.chain([inside]).collect::<Vec<_>>().join("/")
 }
 
 /// The scene file's own name if loading would find the scene under it, else `scene.xml` or `scene.json`.
@@ -74,7 +122,7 @@ pub(super) fn standard_name(format: Format) -> &'static str {
 }
 
 /// A zip archive whose bytes depend on the files' names and contents only.
-pub(super) fn write_zip(files: &BTreeMap<String, Arc<[u8]>>) -> zip::result::ZipResult<Vec<u8>> {
+pub(super) fn write_zip(files: &BTreeMap<String, Arc<[u8]>>, comment: &str) -> zip::result::ZipResult<Vec<u8>> {
     let options = SimpleFileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
@@ -83,6 +131,9 @@ pub(super) fn write_zip(files: &BTreeMap<String, Arc<[u8]>>) -> zip::result::Zip
     for (name, content) in files {
         archive.start_file(name, options)?;
         archive.write_all(content)?;
+    }
+    if !comment.is_empty() {
+        archive.set_comment(comment)?;
     }
     Ok(archive.finish()?.into_inner())
 }

@@ -4,7 +4,7 @@
 
 use crate::scene::description::PluginClass;
 
-const CLASSES: [PluginClass; 10] = [
+const CLASSES: [PluginClass; 13] = [
     PluginClass::Scene,
     PluginClass::Integrator,
     PluginClass::Sensor,
@@ -15,10 +15,13 @@ const CLASSES: [PluginClass; 10] = [
     PluginClass::Bsdf,
     PluginClass::Emitter,
     PluginClass::Texture,
+    PluginClass::Medium,
+    PluginClass::Phase,
+    PluginClass::Volume,
 ];
 
 /// The plugins of each class: Mitsuba 3's, and photonfarm's methods and materials.
-const PLUGINS: [(PluginClass, &[&str]); 10] = [
+const PLUGINS: [(PluginClass, &[&str]); 13] = [
     (PluginClass::Scene, &["scene"]),
     (
         PluginClass::Integrator,
@@ -120,28 +123,10 @@ const PLUGINS: [(PluginClass, &[&str]); 10] = [
             "timed_sunsky",
         ],
     ),
-    (PluginClass::Texture, &["bitmap", "checkerboard", "mesh_attribute", "scale", "volume"]),
-];
-
-/// Mitsuba's plugins of classes that photonfarm does not have.
-const UNSUPPORTED: [&str; 17] = [
-    "blackbody",
-    "blendphase",
-    "constvolume",
-    "d65",
-    "discrete",
-    "gridvolume",
-    "heterogeneous",
-    "hg",
-    "homogeneous",
-    "irregular",
-    "isotropic",
-    "rayleigh",
-    "regular",
-    "sggx",
-    "srgb",
-    "tabphase",
-    "uniform",
+    (PluginClass::Texture, &["bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale", "volume"]),
+    (PluginClass::Medium, &["heterogeneous", "homogeneous"]),
+    (PluginClass::Phase, &["blendphase", "hg", "isotropic", "rayleigh", "sggx", "tabphase"]),
+    (PluginClass::Volume, &["constvolume", "gridvolume"]),
 ];
 
 /// The tags of all classes.
@@ -157,11 +142,6 @@ pub(super) fn class_of_tag(tag: &str) -> Option<PluginClass> {
 /// The class that a plugin belongs to.
 pub(super) fn class_of_plugin(plugin: &str) -> Option<PluginClass> {
     PLUGINS.iter().find(|(_, names)| names.contains(&plugin)).map(|(class, _)| *class)
-}
-
-/// Whether Mitsuba has this plugin and photonfarm has nothing of its kind.
-pub(super) fn is_unsupported(plugin: &str) -> bool {
-    UNSUPPORTED.contains(&plugin)
 }
 
 /// All plugins that [`class_of_plugin`] knows.

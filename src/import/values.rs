@@ -69,17 +69,6 @@ pub(super) fn rgb(text: &str) -> Result<Value, Refusal> {
     numbers.map(Value::Rgb).ok_or_else(refusal)
 }
 
-/// A spectrum that is the same at all wavelengths.
-pub(super) fn spectrum(text: &str) -> Result<Value, Refusal> {
-    if text.contains(':') || floats(text)?.len() != 1 {
-        return Err(("spectra are not supported".to_owned(), SPECTRUM_REMEDY));
-    }
-    Ok(Value::Rgb([float(text)?; 3]))
-}
-
-/// What to write instead of a spectrum.
-pub(super) const SPECTRUM_REMEDY: &str = "give the color as rgb, or a single number for all wavelengths";
-
 /// The linear value of an encoded one: IEC 61966-2-1.
 pub(super) fn linear_from_srgb(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }

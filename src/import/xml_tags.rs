@@ -7,11 +7,11 @@ use crate::scene::error::{Location, SceneError, nearest_name};
 pub(super) const VALUE_TAGS: [&str; 9] =
     ["integer", "float", "boolean", "string", "rgb", "spectrum", "point", "vector", "transform"];
 /// Tags that are neither values nor plugins.
-pub(super) const OTHER_TAGS: [&str; 4] = ["ref", "default", "include", "alias"];
+pub(super) const OTHER_TAGS: [&str; 5] = ["ref", "default", "include", "alias", "path"];
 /// The steps of a transform.
 pub(super) const STEP_TAGS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];
 /// Tags of Mitsuba that mean something photonfarm cannot do.
-const UNSUPPORTED_TAGS: [&str; 5] = ["medium", "phase", "volume", "path", "animation"];
+const UNSUPPORTED_TAGS: [&str; 1] = ["animation"];
 
 /// Says that a tag cannot be read.
 pub(super) fn unknown_tag(place: &Location, tag: &str) -> SceneError {

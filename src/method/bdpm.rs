@@ -53,6 +53,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::Stays,
     parameters: RECIPE.parameters,
     negative_lobes: true,
+    media: false,
     strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
     blind_to: blind_to_nothing,
     check: |choice, pixels| RECIPE.check(choice, pixels),

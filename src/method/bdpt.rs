@@ -34,6 +34,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::None,
     parameters: RECIPE.parameters,
     negative_lobes: true,
+    media: false,
     strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),

@@ -303,6 +303,11 @@ impl CameraPass<'_> {
     fn trace_pixel(&mut self, pixel: usize, tally: &mut PixelTally) {
         let Self { passes, pass, walk, paths, own, nearest, counters } = self;
         let index = pixels_of(pass.region, passes.scene.width).start + pixel as u32;
+        if !passes.scene.media.is_empty() {
+            let radiance = walk.trace_in_media(index, counters);
+            add_to_tally(tally, pass, radiance, &Gathered::default(), counters);
+            return;
+        }
         let acceptance = passes.acceptance(pass, pixel);
         own.clear();
         if passes.uses(Techniques::CONNECT) {

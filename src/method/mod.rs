@@ -46,6 +46,8 @@ pub struct MethodEntry {
     /// every mean right, but even where a picture is even they are noise, which only methods do not mind whose paths are as
     /// noisy.
     pub negative_lobes: bool,
+    /// Whether it renders participating media.
+    pub media: bool,
     /// The ways of finding paths that it tells apart, up to so many segments; `None` where there is no `strategy` to choose.
     strategies: Option<Strategies>,
     /// Light of a scene with such traits that it never finds, if there is any, and methods that do.
@@ -118,6 +120,9 @@ pub struct SceneTraits {
     pub specular: bool,
     /// A reconstruction filter with negative lobes.
     pub negative_lobes: bool,
+    /// Participating media.
+    #[serde(default)]
+    pub media: bool,
 }
 
 impl SceneTraits {
@@ -127,6 +132,7 @@ impl SceneTraits {
             point_lights: scene.lights.has_points(),
             specular: scene.lobes().any(Lobes::SPECULAR),
             negative_lobes: scene.film.filter.has_negative_lobes(),
+            media: !scene.media.is_empty(),
         }
     }
 }
@@ -327,5 +333,20 @@ fn declare_gathering(method: &CheckedMethod) -> Result<Declaration, MethodError>
 
 /// Prepares a checked method for a scene.
 pub fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
+    check_media(method, SceneTraits::of(&scene))?;
     (entry(&method.choice.name)?.prepare)(scene, method, seed)
+}
+
+/// Whether a method renders the media of a scene with such traits.
+///
+/// # Errors
+/// It does not, and which methods do.
+pub fn check_media(method: &CheckedMethod, traits: SceneTraits) -> Result<(), MethodError> {
+    let entry = entry(&method.choice.name)?;
+    if entry.media || !traits.media {
+        return Ok(());
+    }
+    let able: Vec<&str> = METHODS.iter().filter(|entry| entry.media).map(|entry| entry.name).collect();
+    let problem = "the scene has participating media, which it does not render".to_owned();
+    Err(MethodError::Parameter { method: entry.name, problem, remedy: format!("{} does", able.join(", ")) })
 }

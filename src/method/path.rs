@@ -40,6 +40,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::None,
     parameters: RECIPE.parameters,
     negative_lobes: true,
+    media: true,
     strategies: None,
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),

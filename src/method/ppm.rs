@@ -57,6 +57,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::Shrinks,
     parameters: PARAMETERS,
     negative_lobes: false,
+    media: false,
     strategies: None,
     blind_to: blind_to_nothing,
     check,
@@ -99,6 +100,8 @@ struct HitPoint {
     /// Material, and segments from the camera in the top byte.
     material_and_segments: u32,
     parameterization: Parameterization,
+    /// `Interaction::partials`.
+    partials: [f32; 3],
 }
 
 /// Texture coordinates as floats of 24 bits each, a 2¹⁶th exact; then the tangent's turn from that of [`Frame::from_normal`]
@@ -163,6 +166,7 @@ impl HitPoint {
             throughput: point.throughput,
             material_and_segments: hit.shape.material | point.segments.min(255) << MATERIAL_BITS,
             parameterization: Parameterization::new(hit),
+            partials: hit.partials,
         }
     }
 
@@ -186,6 +190,7 @@ impl HitPoint {
             primitive: 0,
             instance: NO_INSTANCE,
             error,
+            partials: self.partials,
         };
         GatherPoint {
             hit,
@@ -363,7 +368,7 @@ impl PreparedMethod for Ppm {
                 let range = hit_points.first[pixel] as usize..hit_points.first[pixel + 1] as usize;
                 let point = hit_points.points.get(range)?.first()?.gather_point(self.error);
                 // The straight distance stands for the path's: hit points do not keep it.
-                let distance = scene.camera.position().distance(point.hit.position);
+                let distance = scene.camera.distance_to(point.hit.position);
                 Some(self.passes.first_radius_squared(&map, &point, distance))
             })
             .collect();

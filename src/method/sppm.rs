@@ -44,6 +44,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::Shrinks,
     parameters: PARAMETERS,
     negative_lobes: false,
+    media: false,
     strategies: None,
     blind_to: blind_to_nothing,
     check,

@@ -48,6 +48,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
     bias: Bias::TakenOver,
     parameters: RECIPE.parameters,
     negative_lobes: true,
+    media: false,
     strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
     blind_to,
     check: |choice, pixels| RECIPE.check(choice, pixels),

@@ -44,12 +44,12 @@ fn look_through(scene: &Scene, pixel: u32) -> FirstSurface {
         let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
         let place = [within(cell % CELLS, x), within(cell / CELLS, y), lens_x, lens_y];
         let ray = scene.camera_ray([pixel % scene.width, pixel / scene.width], place);
-        let Some(hit) = scene.intersect(&ray) else { continue };
+        let Some(hit) = scene.intersect_from_camera(&ray) else { continue };
         let [u, v, lobe, _] = random.block(dimension::scattering(1));
         albedo += scattered_share(scene, &hit, [u, v, lobe]);
-        normal += seen_normal(&hit);
+        normal += seen_normal(scene, &hit);
         // Rays begin at the near clip distance, hence not the length of the ray.
-        distance += hit.position.distance(scene.camera.position());
+        distance += scene.camera.distance_to(hit.position);
         met += 1.0;
     }
     FirstSurface {
@@ -67,11 +67,13 @@ fn within(cell: u32, u: f32) -> f32 {
 /// The integral of BSDF and cosine over all directions, by one sample. As for flux: refraction scales radiance by the
 /// indices, which is no loss.
 fn scattered_share(scene: &Scene, hit: &Interaction, u: [f32; 3]) -> Rgb {
-    let view = View::new(hit.uv, hit.frame.to_local(hit.outgoing), TransportMode::Flux);
+    let view = View::at(hit, TransportMode::Flux);
     scene.material(hit.shape).sample(&view, u).map_or(Rgb::ZERO, |sample| sample.weight)
 }
 
-/// The shading normal on the side of the true surface from which it is seen.
-fn seen_normal(hit: &Interaction) -> Vec3 {
-    if hit.outgoing.dot(hit.geometric_normal) < 0.0 { -hit.frame.normal } else { hit.frame.normal }
+/// The shading normal, as normal and bump maps turn it, on the side of the true surface from which it is seen.
+fn seen_normal(scene: &Scene, hit: &Interaction) -> Vec3 {
+    let turned = scene.material(hit.shape).turned_normal(&View::at(hit, TransportMode::Radiance));
+    let normal = if turned == Vec3::Z { hit.frame.normal } else { hit.frame.to_world(turned) };
+    if hit.outgoing.dot(hit.geometric_normal) < 0.0 { -normal } else { normal }
 }

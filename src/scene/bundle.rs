@@ -1,4 +1,5 @@
-//! The files of a scene: a folder on disk, or an archive in memory. No path leads out of either.
+//! The files of a scene: a folder on disk, or an archive in memory. No path leads out of an archive. On one's own machine
+//! names may lead above the scene's folder by `..`, as in Mitsuba; links still may not leave the folder that a name leads to.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
@@ -82,6 +83,47 @@ impl Bundle {
         self.generated()?.meshes.get(name).cloned()
     }
 
+    /// The files of an archive by their names as seen from its folder `folder`.
+    pub fn seen_from(self, folder: &str) -> Self {
+        match self {
+            Self::Archive(files) if !folder.is_empty() => {
+                let seen = |(name, content): (&String, &Arc<[u8]>)| (relative_name(folder, name), content.clone());
+                Self::Archive(Arc::new(files.iter().map(seen).collect()))
+            }
+            other => other,
+        }
+    }
+
+    /// The files of an archive by their names; none of a folder.
+    pub fn into_files(self) -> Files {
+        match self {
+            Self::Archive(files) => Arc::unwrap_or_clone(files),
+            Self::Folder(_) | Self::Generated(..) => Files::new(),
+        }
+    }
+
+    /// Whether there is a file `name`, which may have any form.
+    pub fn contains(&self, name: &str) -> bool {
+        let Ok(name) = normalized_name(name, &Location::default()) else { return false };
+        match self {
+            Self::Generated(made, origin) => made.contains(&name) || origin.contains(&name),
+            Self::Archive(files) => files.contains_key(&name),
+            Self::Folder(folder) => folder.join(&name).is_file(),
+        }
+    }
+
+    /// Whether there is a folder `name`: in an archive, one with files.
+    pub fn contains_folder(&self, name: &str) -> bool {
+        match self {
+            Self::Generated(_, origin) => origin.contains_folder(name),
+            Self::Archive(files) => {
+                let start = format!("{name}/");
+                files.range(start.clone()..).next().is_some_and(|(file, _)| file.starts_with(&start))
+            }
+            Self::Folder(folder) => folder.join(name).is_dir(),
+        }
+    }
+
     /// Unpacks a zip archive in memory. A single folder round everything is taken off. `archive` is the place that
     /// errors name.
     ///
@@ -123,22 +165,29 @@ impl Bundle {
     /// The bytes of file `name`, which is referred to at `location`; of a mesh that an importer made those of a PLY file.
     ///
     /// # Errors
-    /// When `name` is absolute or leads out of the bundle, also through a symbolic link; when there is no such file,
-    /// with the nearest name that there is; when it is larger than 1 GiB or cannot be read.
+    /// When `name` is absolute, leads out of an archive, or is a symbolic link that leads out of the folder; when there is
+    /// no such file, with the nearest name that there is; when it is larger than 1 GiB or cannot be read.
     pub fn read(&self, name: &str, location: &Location) -> Result<Arc<[u8]>, SceneError> {
-        let name = checked_name(name, location)?;
+        let name = normalized_name(name, location)?;
         match self {
             Self::Generated(made, origin) => match (made.files.get(&name), made.meshes.get(&name)) {
                 (Some(content), _) => Ok(content.clone()),
                 (None, Some(mesh)) => Ok(ply::write(mesh).into()),
                 (None, None) => origin.read(&name, location),
             },
-            Self::Archive(files) => files.get(&name).cloned().ok_or_else(|| self.missing(&name, location)),
-            Self::Folder(folder) => match folder.join(&name).canonicalize() {
-                Ok(path) => read_inside(folder, &path, &name, location),
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(self.missing(&name, location)),
-                Err(error) => Err(unreadable(&name, &error, location)),
+            Self::Archive(files) => match files.get(&name) {
+                Some(content) => Ok(content.clone()),
+                None => checked_name(&name, location).and_then(|name| Err(self.missing(&name, location))),
             },
+            Self::Folder(folder) => {
+                let (above, inside) = steps_up(&name);
+                let folder = folder.join("../".repeat(above));
+                match folder.join(inside).canonicalize() {
+                    Ok(path) => read_inside(&folder, &path, &name, location),
+                    Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(self.missing(&name, location)),
+                    Err(error) => Err(unreadable(&name, &error, location)),
+                }
+            }
         }
     }
 
@@ -166,6 +215,52 @@ impl Bundle {
         };
         SceneError::new(location, format!("there is no file \"{name}\""), remedy)
     }
+}
+
+/// What the comment of an archive begins with whose scene file is not at its top level; the file's name follows.
+pub const SCENE_COMMENT: &str = "photonfarm scene: ";
+
+/// The name of the scene file that the comment of a zip archive tells, if it does.
+pub fn scene_in_comment(archive: &[u8]) -> Option<String> {
+    let zip = ZipArchive::new(Cursor::new(archive)).ok()?;
+    let comment = std::str::from_utf8(zip.comment()).ok()?;
+    comment.strip_prefix(SCENE_COMMENT).map(str::to_owned)
+}
+
+/// How many folders a normalised name leads up, and the rest of it.
+pub fn steps_up(name: &str) -> (usize, &str) {
+    let mut rest = name;
+    let mut above = 0;
+    while let Some(inside) = rest.strip_prefix("../") {
+        (above, rest) = (above + 1, inside);
+    }
+    (above, rest)
+}
+
+/// File `name` of an archive as seen from its folder `folder`.
+fn relative_name(folder: &str, name: &str) -> String {
+    let folders: Vec<&str> = folder.split('/').collect();
+    let parts: Vec<&str> = name.split('/').collect();
+    let shared = folders.iter().zip(&parts[..parts.len() - 1]).take_while(|(one, other)| one == other).count();
+    "../".repeat(folders.len() - shared) + &parts[shared..].join("/")
+}
+
+/// `name` with `/` separators, without `.` parts, and with `..` at its beginning alone; refused when it is absolute.
+pub fn normalized_name(name: &str, location: &Location) -> Result<String, SceneError> {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in name.split('/').filter(|part| !part.is_empty() && *part != ".") {
+        if part == ".." && parts.last().is_some_and(|last| *last != "..") {
+            parts.pop();
+        } else {
+            parts.push(part);
+        }
+    }
+    let above = parts.iter().take_while(|part| **part == "..").count();
+    // A name that leads upwards and back down is checked without the steps up; an absolute one keeps its slash.
+    let inside = parts[above..].join("/");
+    let rooted = if name.starts_with('/') { format!("/{inside}") } else { inside };
+    let rooted = if name.len() > 1024 || above > 64 { name } else { &rooted };
+    Ok("../".repeat(above) + &checked_name(rooted, location)?)
 }
 
 /// `name` with `/` separators and without `.` parts; refused when it is absolute or leads upwards.
@@ -216,7 +311,7 @@ fn read_entry(
 }
 
 /// Takes off the folder that holds every file of an archive, which many programs add when they pack a folder.
-fn without_common_folder(files: BTreeMap<String, Arc<[u8]>>) -> BTreeMap<String, Arc<[u8]>> {
+pub fn without_common_folder(files: BTreeMap<String, Arc<[u8]>>) -> BTreeMap<String, Arc<[u8]>> {
     let Some((folder, _)) = files.keys().next().and_then(|name| name.split_once('/')) else { return files };
     let prefix = format!("{folder}/");
     if !files.keys().all(|name| name.starts_with(&prefix)) {

@@ -32,6 +32,12 @@ pub enum PluginClass {
     Emitter,
     /// A texture.
     Texture,
+    /// A participating medium.
+    Medium,
+    /// Where a medium scatters light to.
+    Phase,
+    /// What varies within a medium.
+    Volume,
 }
 
 impl PluginClass {
@@ -48,6 +54,9 @@ impl PluginClass {
             Self::Bsdf => "bsdf",
             Self::Emitter => "emitter",
             Self::Texture => "texture",
+            Self::Medium => "medium",
+            Self::Phase => "phase",
+            Self::Volume => "volume",
         }
     }
 }

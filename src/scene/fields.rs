@@ -48,6 +48,11 @@ impl<'a> Fields<'a> {
         self.node.parameters.iter().any(|parameter| parameter.name == name)
     }
 
+    /// Whether the user gave parameter `name` as a color.
+    pub fn is_rgb(&self, name: &str) -> bool {
+        self.node.parameters.iter().any(|parameter| parameter.name == name && matches!(parameter.value, Value::Rgb(_)))
+    }
+
     /// An error about parameter `name`.
     pub fn error(&self, name: &str, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
         SceneError::new(self.location_of(name), problem, remedy)

@@ -5,7 +5,7 @@
 //! | `width`, `height` | of the whole picture | pixels | 768, 576 |
 //! | `crop_offset_x`, `crop_offset_y` | first column and row that are rendered | pixels | 0 |
 //! | `crop_width`, `crop_height` | how many columns and rows are rendered | pixels | all that are left |
-//! | a nested `rfilter` | how far a pixel's camera paths spread: see [`filter`] | – | box |
+//! | a nested `rfilter` | how far a pixel's camera paths spread: see [`filter`] | pixels | `gaussian` of 0.5 |
 
 mod filter;
 
@@ -43,8 +43,8 @@ impl Default for Film {
             height: 576,
             whole: [768, 576],
             offset: [0, 0],
-            filter: Filter::Box,
-            smooth_filter: Filter::Box,
+            filter: Filter::gaussian(0.5),
+            smooth_filter: Filter::gaussian(0.5),
         }
     }
 }
@@ -148,7 +148,7 @@ pub fn read(node: &Node) -> Result<Film, SceneError> {
     fields.ignore(&["pixel_format", "component_format", "file_format", "sample_border", "banner", "compensate"]);
     let filter = match fields.child(PluginClass::ReconstructionFilter) {
         Some(node) => filter::read(node)?,
-        None => Filter::Box,
+        None => default.filter,
     };
     fields.finish()?;
     let smooth_filter = if filter.has_negative_lobes() { Filter::gaussian(0.5) } else { filter.clone() };

@@ -3,7 +3,6 @@
 use super::Scene;
 use super::light::Light;
 use super::material::Lobes;
-use super::relief::Relief;
 
 /// What a scene contains.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -29,7 +28,7 @@ const FEATURES: &[Feature] = &[
     ("narrow lobes", |scene| scene.lobes().any(Lobes::NARROW)),
     ("light through surfaces", |scene| scene.lobes().any(Lobes::TRANSMISSIVE)),
     ("texture coordinates", |scene| scene.geometry.needs_coordinates()),
-    ("bump and normal maps", |scene| scene.reliefs.iter().any(|relief: &Option<Relief>| relief.is_some())),
+    ("bump and normal maps", |scene| scene.turns_normals),
     ("instances", |scene| scene.geometry.has_instances()),
     ("a lens", |scene| scene.camera.has_lens()),
 ];

@@ -1,27 +1,34 @@
 //! Description to prepared scene.
 
+mod checks;
 mod instancing;
+mod lights;
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::bundle::Bundle;
 use super::camera::{self, Camera};
-use super::description::{Node, PluginClass, SceneDescription, Value};
+use super::description::{Node, PluginClass, SceneDescription};
 use super::error::{SceneError, nearest_name};
 use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
 use super::geometry::primitive::{Primitive, SHAPES};
-use super::geometry::surface::SEEN_ONLY;
+use super::geometry::surface::{NO_LIGHT, SEEN_ONLY};
+use super::geometry::transform::ToWorld;
 use super::geometry::{Geometry, Interaction, Ray, Shape};
-use super::light::area::{self, Emission};
-use super::light::{self, AreaLight, Light, LightTable, Place, Surroundings};
-use super::material::{self, Lobes, Material, TransportMode, View};
-use super::relief::{self, Relief};
+use super::integrator::{self, Integrator};
+use super::light::area::Emission;
+use super::light::{LightTable, Place};
+use super::material::{self, Lobes, Material};
+use super::medium::{self, Medium, MediumIndex};
+use super::notice::Notice;
 use super::texture::TextureReader;
-use crate::math::{Rgb, Vec2, Vec3};
+use crate::math::{Rgb, Vec3};
+use checks::{check_reach, check_view};
 use instancing::Instancing;
+use lights::{light_table, place_area_lights, read_area_light};
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference. A clone shares all that is
 /// large.
@@ -39,24 +46,20 @@ pub struct Scene {
     pub geometry: Arc<Geometry>,
     /// All materials; shapes hold indices.
     pub materials: Arc<[Material]>,
-    /// Their reliefs, by the same indices; empty when there are none at all.
-    pub reliefs: Arc<[Option<Relief>]>,
+    /// Whether some of them turn normals.
+    pub turns_normals: bool,
+    /// All participating media; shapes hold indices.
+    pub media: Arc<[Medium]>,
+    /// The medium that the camera stands in.
+    pub camera_medium: MediumIndex,
     /// All lights.
     pub lights: Arc<LightTable>,
+    /// Whether the camera looks through shapes that emit and sees no environment: the integrator's `hide_emitters`.
+    pub hides_lights: bool,
     /// The method that the scene's `<integrator>` asks for; `None` when there is none.
     pub integrator: Option<Integrator>,
     /// Things the user should know, one sentence each (for example a material that was approximated).
     pub notices: Vec<String>,
-}
-
-/// The scene's `<integrator>`: plugin name and plain parameters.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Integrator {
-    /// Plugin name, for example `sppm` or `path`.
-    pub name: String,
-    /// Parameters as JSON values.
-    pub parameters: serde_json::Map<String, serde_json::Value>,
 }
 
 /// What is collected while the tree is read.
@@ -69,11 +72,11 @@ struct Builder<'a> {
     /// What is seen and lights nothing.
     seen_only: Vec<Emission>,
     materials: Vec<Material>,
-    /// As many as materials.
-    reliefs: Vec<Option<Relief>>,
-    /// Materials by the address of their node, so that shared nodes become one material, and whether they need texture
-    /// coordinates.
-    material_of_node: HashMap<*const Node, (u32, bool)>,
+    /// Materials by the address of their node, so that shared nodes become one material, as shapes without light.
+    material_of_node: HashMap<*const Node, Shape>,
+    /// Media, and their indices by the address of their node.
+    media: Vec<Medium>,
+    medium_of_node: HashMap<*const Node, u16>,
     instancing: Instancing,
     notices: Vec<String>,
 }
@@ -97,19 +100,35 @@ impl Scene {
         let sensor = fields.child(PluginClass::Sensor).ok_or_else(|| {
             SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
         })?;
-        let (film, camera) = read_sensor(sensor)?;
-        let integrator =
-            fields.child(PluginClass::Integrator).map(|node| read_integrator(node.as_ref())).transpose()?;
-        let emitters = fields.children(PluginClass::Emitter);
+        let (film, camera, around) = read_sensor(sensor)?;
+        let camera_medium = around.map(|node| builder.medium(node)).transpose()?;
+        let asked = fields.child(PluginClass::Integrator).map(|node| integrator::read(node)).transpose()?;
+        let (ownerless, emitters): (Vec<_>, Vec<_>) =
+            fields.children(PluginClass::Emitter).into_iter().partition(|node| node.plugin == "area");
+        for node in ownerless {
+            let notice =
+                Notice::ignored(&node.location, "emitter \"area\"", "it stands outside a shape, where nothing emits");
+            builder.notices.push(notice.to_string());
+        }
+        for other in fields.children(PluginClass::Sensor) {
+            let notice = Notice::ignored(&other.location, "another sensor", "the scene's first one counts");
+            builder.notices.push(notice.to_string());
+        }
+        // Mitsuba passes over these where nothing asks for them.
+        let passed_over = [PluginClass::Sampler, PluginClass::Film, PluginClass::ReconstructionFilter];
+        for class in passed_over.into_iter().chain([PluginClass::Medium, PluginClass::Phase, PluginClass::Volume]) {
+            fields.children(class);
+        }
         fields.finish()?;
-        if builder.shapes.is_empty() && builder.instancing.is_empty() {
-            return Err(SceneError::new(&root.location, "the scene has no shapes", "add at least one <shape>"));
-        }
-        let Builder { mut textures, shapes, area_lights, seen_only, materials, .. } = builder;
-        let (mut reliefs, instancing, notices) = (builder.reliefs, builder.instancing, builder.notices);
-        if reliefs.iter().all(Option::is_none) {
-            reliefs.clear();
-        }
+        let Builder { mut textures, shapes, area_lights, seen_only, materials, media, .. } = builder;
+        let (instancing, mut notices) = (builder.instancing, builder.notices);
+        let (integrator, hides_lights) = match asked {
+            Some(asked) => {
+                notices.extend(asked.notices.iter().map(ToString::to_string));
+                (asked.integrator, asked.hides_lights)
+            }
+            None => (None, false),
+        };
         let (geometry, members) = Geometry::build(shapes);
         let mut geometry = instancing.add_to(geometry);
         let mut lights = Vec::new();
@@ -118,8 +137,22 @@ impl Scene {
         check_view(&camera, &geometry, &materials, sensor)?;
         let Film { width, height, .. } = film;
         let (geometry, lights) = (Arc::new(geometry), Arc::new(lights));
-        let (materials, reliefs) = (materials.into(), reliefs.into());
-        Ok(Self { width, height, film, camera, geometry, materials, reliefs, lights, integrator, notices })
+        let (materials, turns_normals) = (materials.into(), textures.turns_normals());
+        Ok(Self {
+            width,
+            height,
+            film,
+            camera,
+            geometry,
+            materials,
+            turns_normals,
+            lights,
+            hides_lights,
+            integrator,
+            notices,
+            media: media.into(),
+            camera_medium,
+        })
     }
 
     /// The same scene with a picture of about `most` pixels, if it has more.
@@ -149,14 +182,53 @@ impl Scene {
         (self.camera.ray(place, [lens_x, lens_y]), count)
     }
 
-    /// The first surface along `ray`, with the shading normal that its relief gives it.
+    /// The first surface along `ray`, with all that its material needs.
     #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
         let mut hit = self.geometry.intersect(ray)?;
-        if let Some(Some(relief)) = self.reliefs.get(hit.shape.material as usize) {
-            relief.turn(&self.geometry, &mut hit);
+        if hit.shape.needs_partials {
+            hit.partials = self.geometry.partials_in_frame(&hit);
         }
         Some(hit)
+    }
+
+    /// The first surface that a camera ray meets.
+    #[inline(always)]
+    pub fn intersect_from_camera(&self, ray: &Ray) -> Option<Interaction> {
+        let hit = self.intersect(ray)?;
+        if self.hides_lights { self.behind_lights(ray, hit) } else { Some(hit) }
+    }
+
+    /// The first surface along `ray` that does not emit, from its first hit on.
+    #[inline(never)]
+    fn behind_lights(&self, ray: &Ray, mut hit: Interaction) -> Option<Interaction> {
+        let mut passed = 0.0;
+        while hit.shape.light != NO_LIGHT {
+            passed += hit.distance;
+            let rest = Ray { length: ray.length - passed, ..hit.ray_to(ray.direction) };
+            hit = self.intersect(&rest)?;
+        }
+        Some(Interaction { distance: hit.distance + passed, ..hit })
+    }
+
+    /// A medium by its index.
+    #[inline]
+    pub fn medium(&self, index: MediumIndex) -> Option<&Medium> {
+        index.map(|index| &self.media[usize::from(index)])
+    }
+
+    /// The medium on the side of `direction` of a surface that was met in `medium`.
+    #[inline]
+    pub fn medium_beyond(&self, hit: &Interaction, direction: Vec3, medium: MediumIndex) -> MediumIndex {
+        let Some([inside, outside]) = hit.shape.media else { return medium };
+        if direction.dot(hit.geometric_normal) > 0.0 { outside } else { inside }
+    }
+
+    /// Whether anything that the camera sees is between a ray's origin and its length.
+    #[inline]
+    pub fn is_hidden_from_camera(&self, ray: &Ray) -> bool {
+        let blocked = self.geometry.is_blocked(ray);
+        blocked && (!self.hides_lights || self.intersect_from_camera(ray).is_some())
     }
 
     /// The material of a shape.
@@ -177,39 +249,6 @@ impl Scene {
     }
 }
 
-/// The farthest that surfaces may reach from the origin, m: squares of distances must fit into single precision.
-const FARTHEST: f32 = 1e18;
-
-/// Refuses boxes that single precision cannot reckon with.
-fn check_reach(node: &Node, mut boxes: impl Iterator<Item = (Vec3, Vec3)>) -> Result<(), SceneError> {
-    let near = |corner: Vec3| corner.abs().cmplt(Vec3::splat(FARTHEST)).all();
-    if boxes.all(|(low, high)| near(low) && near(high)) {
-        return Ok(());
-    }
-    let problem = format!("shape \"{}\" reaches farther than {FARTHEST:e} m from the origin", node.plugin);
-    Err(SceneError::new(&node.location, problem, "check its size and its to_world"))
-}
-
-/// A camera that sees nothing but the black backs of one-sided surfaces stands inside a solid.
-fn check_view(camera: &Camera, geometry: &Geometry, materials: &[Material], sensor: &Node) -> Result<(), SceneError> {
-    const SIDE: usize = 16;
-    let sees_black_back = |index: usize| {
-        let place = Vec2::new((index % SIDE) as f32 + 0.5, (index / SIDE) as f32 + 0.5) / SIDE as f32;
-        let hit = geometry.intersect(&camera.ray(place, [0.5; 2]));
-        hit.is_some_and(|hit| {
-            let outgoing = hit.frame.to_local(hit.outgoing);
-            let material = &materials[hit.shape.material as usize];
-            outgoing.z < 0.0
-                && material.sample(&View::new(hit.uv, outgoing, TransportMode::Radiance), [0.5; 3]).is_none()
-        })
-    };
-    if !(0..SIDE * SIDE).all(sees_black_back) {
-        return Ok(());
-    }
-    let problem = "the camera sees only the black backs of one-sided surfaces: it seems to stand inside a solid";
-    Err(SceneError::new(&sensor.location, problem, "move it out, or make those surfaces \"twosided\""))
-}
-
 impl<'a> Builder<'a> {
     fn new(description: &'a SceneDescription) -> Self {
         let bundle = &description.bundle;
@@ -220,8 +259,9 @@ impl<'a> Builder<'a> {
             area_lights: Vec::new(),
             seen_only: Vec::new(),
             materials: Vec::new(),
-            reliefs: Vec::new(),
             material_of_node: HashMap::new(),
+            media: Vec::new(),
+            medium_of_node: HashMap::new(),
             instancing: Instancing::default(),
             notices: description.notices.iter().map(ToString::to_string).collect(),
         }
@@ -248,17 +288,23 @@ impl<'a> Builder<'a> {
         };
         let mut fields = Fields::new(node);
         let geometry = read(&mut fields, self.bundle)?;
+        if node.plugin == "sphere" && !ToWorld::read(&mut fields)?.is_similarity() {
+            let explanation = "it stays a sphere, with the scale along x";
+            let notice = Notice::approximated(&node.location, "a sphere that is scaled unevenly", explanation);
+            self.notices.push(notice.to_string());
+        }
         let emitter = fields.child(PluginClass::Emitter);
-        let (material, needs_uv) = match fields.child(PluginClass::Bsdf) {
+        let shape = match fields.child(PluginClass::Bsdf) {
             Some(node) => self.material(node)?,
-            None => (self.default_material(emitter.is_some()), false),
+            None => Shape::new(self.default_material(emitter.is_some())),
         };
+        let shape = Shape { media: self.media_of(&mut fields)?, ..shape };
         let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
         let emitter = emitter.filter(|emission| emission.radiance.range()[1] != Rgb::ZERO);
-        let needs_uv = needs_uv || emitter.as_ref().is_some_and(|emission| emission.radiance.varies());
-        let mut shape = Shape { needs_uv, ..Shape::new(material) };
+        let needs_uv = shape.needs_uv || emitter.as_ref().is_some_and(|emission| emission.radiance.varies());
+        let mut shape = Shape { needs_uv, ..shape };
         if let Some(shown) = emitter.as_ref().filter(|emission| emission.seen_only) {
             shape.light = SEEN_ONLY + self.seen_only.len() as u32;
             self.seen_only.push(shown.clone());
@@ -283,85 +329,55 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// The index of a material, and whether it needs texture coordinates.
-    fn material(&mut self, node: &Arc<Node>) -> Result<(u32, bool), SceneError> {
+    /// The index of a medium.
+    fn medium(&mut self, node: &Arc<Node>) -> Result<u16, SceneError> {
+        let address = Arc::as_ptr(node);
+        if let Some(known) = self.medium_of_node.get(&address) {
+            return Ok(*known);
+        }
+        let index = u16::try_from(self.media.len()).map_err(|_| {
+            SceneError::new(&node.location, "the scene has more than 65536 media", "share some of them")
+        })?;
+        self.media.push(medium::read(node)?);
+        self.medium_of_node.insert(address, index);
+        Ok(index)
+    }
+
+    /// The media inside and outside of a shape that separates two.
+    fn media_of(&mut self, fields: &mut Fields<'_>) -> Result<Option<[MediumIndex; 2]>, SceneError> {
+        let nodes = ["interior", "exterior"].map(|name| fields.named_child(PluginClass::Medium, name));
+        if nodes.iter().all(Option::is_none) {
+            return Ok(None);
+        }
+        let mut read = |node: Option<&Arc<Node>>| node.map(|node| self.medium(node)).transpose();
+        Ok(Some([read(nodes[0])?, read(nodes[1])?]))
+    }
+
+    /// A shape with the material, and what of texture coordinates that needs.
+    fn material(&mut self, node: &Arc<Node>) -> Result<Shape, SceneError> {
         let address = Arc::as_ptr(node);
         if let Some(known) = self.material_of_node.get(&address) {
             return Ok(*known);
         }
-        let asked = self.textures.coordinates_asked();
-        let (plain, relief) = relief::take_off(node, &mut self.textures)?;
-        self.materials.push(material::read(&plain, &mut self.textures)?);
-        let needs_uv = relief.is_some() || self.textures.coordinates_asked() > asked;
-        self.reliefs.push(relief);
-        let read = (self.materials.len() as u32 - 1, needs_uv);
-        self.material_of_node.insert(address, read);
-        Ok(read)
+        let asked = (self.textures.coordinates_asked(), self.textures.partials_asked());
+        self.materials.push(material::read(node, &mut self.textures)?);
+        let shape = Shape {
+            needs_uv: self.textures.coordinates_asked() > asked.0,
+            needs_partials: self.textures.partials_asked() > asked.1,
+            ..Shape::new(self.materials.len() as u32 - 1)
+        };
+        self.material_of_node.insert(address, shape);
+        Ok(shape)
     }
 
     /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5, but black to those that emit.
     fn default_material(&mut self, emits: bool) -> u32 {
         self.materials.push(if emits { Material::black() } else { Material::default_grey() });
-        self.reliefs.push(None);
         self.materials.len() as u32 - 1
     }
 }
 
-fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
-    if node.plugin != "area" {
-        let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
-        return Err(SceneError::new(
-            &node.location,
-            problem,
-            "only \"area\" stands in a shape; put others in the scene",
-        ));
-    }
-    let mut fields = Fields::new(node);
-    let emission = area::read(&mut fields, textures)?;
-    fields.finish()?;
-    Ok(emission)
-}
-
-/// Turns the shapes that emit into lights.
-fn place_area_lights(
-    geometry: &mut Geometry,
-    members: &[Vec<u32>],
-    area_lights: Vec<(usize, Emission)>,
-    lights: &mut Vec<Light>,
-) {
-    for (shape, emission) in area_lights {
-        if let Some(light) = AreaLight::new(emission, members[shape].clone(), geometry) {
-            geometry.set_light(shape, lights.len() as u32);
-            lights.push(Light::AreaLight(light));
-        }
-    }
-}
-
-fn light_table(
-    geometry: &Geometry,
-    mut lights: Vec<Light>,
-    emitters: &[&Arc<Node>],
-    textures: &mut TextureReader<'_>,
-    description: &SceneDescription,
-) -> Result<LightTable, SceneError> {
-    let surroundings = Surroundings::new(geometry.bounds());
-    for node in emitters {
-        let light = light::read(node, surroundings, textures, &description.bundle)?;
-        if light.is_environment() && lights.iter().any(Light::is_environment) {
-            return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
-        }
-        lights.push(light);
-    }
-    LightTable::new(lights, geometry).ok_or_else(|| {
-        SceneError::new(
-            &description.root.location,
-            "nothing in the scene emits light",
-            "add an emitter with a radiance above 0",
-        )
-    })
-}
-
-fn read_sensor(node: &Node) -> Result<(Film, Camera), SceneError> {
+fn read_sensor(node: &Node) -> Result<(Film, Camera, Option<&Arc<Node>>), SceneError> {
     let mut fields = Fields::new(node);
     let film = match fields.child(PluginClass::Film) {
         Some(film) => film::read(film)?,
@@ -370,24 +386,7 @@ fn read_sensor(node: &Node) -> Result<(Film, Camera), SceneError> {
     // Mitsuba's random number source: read and not used.
     fields.child(PluginClass::Sampler);
     let camera = camera::read(&mut fields, film.whole)?;
+    let medium = fields.child(PluginClass::Medium);
     fields.finish()?;
-    Ok((film, camera))
-}
-
-fn read_integrator(node: &Node) -> Result<Integrator, SceneError> {
-    let mut parameters = serde_json::Map::new();
-    for parameter in &node.parameters {
-        let value = match &parameter.value {
-            Value::Integer(number) => (*number).into(),
-            Value::Float(number) => (*number).into(),
-            Value::Boolean(flag) => (*flag).into(),
-            Value::String(text) => text.as_str().into(),
-            other => {
-                let problem = format!("an integrator has no {} parameters", other.type_name());
-                return Err(SceneError::new(&parameter.location, problem, "give a number, a boolean or a string"));
-            }
-        };
-        parameters.insert(parameter.name.clone(), value);
-    }
-    Ok(Integrator { name: node.plugin.clone(), parameters })
+    Ok((film, camera, medium))
 }

@@ -76,6 +76,8 @@ pub struct CameraWalk {
     /// Product of squared relative indices: undoes refraction's scaling of radiance when roulette judges a path.
     index_squared: f32,
     emission: SeenEmission,
+    /// Nothing turned the path yet: a scene that hides its lights hides the environment from it.
+    straight: bool,
     /// Whether lights are sampled at gather points; else photons bring their light.
     samples_lights: bool,
 }
@@ -91,6 +93,7 @@ impl CameraWalk {
             path_length: 0.0,
             index_squared: 1.0,
             emission: SeenEmission::Full,
+            straight: true,
             samples_lights,
         }
     }
@@ -107,6 +110,7 @@ impl CameraWalk {
             path_length: point.path_length,
             index_squared: scattering.sample.relative_index * scattering.sample.relative_index,
             emission: SeenEmission::ByPhotons,
+            straight: false,
             samples_lights: true,
         }
     }
@@ -125,9 +129,11 @@ impl CameraWalk {
         }
         self.segments += 1;
         counters.rays += 1;
-        let found = scene.intersect(&self.ray);
+        let is_first = self.segments == 1;
+        let found = if is_first { scene.intersect_from_camera(&self.ray) } else { scene.intersect(&self.ray) };
         let emitted = match &found {
             Some(hit) => scene.lights.emitted(&scene.geometry, &self.place, hit, self.is_seen()),
+            None if scene.hides_lights && self.straight => None,
             None => scene.lights.environment(&self.place, self.ray.direction),
         };
         if let Some((emitted, light_pdf)) = emitted {
@@ -160,6 +166,7 @@ impl CameraWalk {
         let index = scattering.sample.relative_index;
         self.index_squared *= index * index;
         self.ray = hit.ray_to(scattering.direction);
+        self.straight = self.straight && scattering.is_straight(hit);
         self.emission = match self.emission {
             _ if !scattering.sample.is_specular() && self.samples_lights => SeenEmission::Shared(scattering.sample.pdf),
             SeenEmission::Full if scattering.sample.is_specular() => SeenEmission::Full,

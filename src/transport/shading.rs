@@ -15,10 +15,18 @@ pub struct Scattering {
     pub sample: MaterialSample,
 }
 
+impl Scattering {
+    /// Whether the path passed through the surface at `hit` as if there were none.
+    #[inline]
+    pub fn is_straight(&self, hit: &Interaction) -> bool {
+        self.sample.is_specular() && self.sample.direction == -hit.frame.to_local(hit.outgoing)
+    }
+}
+
 /// The surface as the path that came to `hit` sees it, with all lobes.
 #[inline]
 pub fn view(hit: &Interaction, mode: TransportMode) -> View {
-    View::new(hit.uv, hit.frame.to_local(hit.outgoing), mode)
+    View::at(hit, mode)
 }
 
 /// Samples `material` at `hit` with three numbers; `None` where the path ends.

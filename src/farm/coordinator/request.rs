@@ -51,6 +51,7 @@ pub fn resolve_method(
         }
         (_, Err(problem)) => return Err(problem.into()),
     };
+    method::check_media(&method, traits)?;
     notices.extend(method::notices(&method, traits));
     Ok(ResolvedMethod { method, notices })
 }

@@ -41,6 +41,7 @@ pub(super) fn stand_in(mut draft: Draft, translation: &mut Translation) -> Resul
 /// `bumpmap`: its texture needs no name.
 pub(super) fn bump(mut draft: Draft, _: &mut Translation) -> Result<Outcome, SceneError> {
     draft.children.iter_mut().for_each(|child| child.name.clear());
+    draft.state_plain_normals();
     Ok(Outcome::Plugin(draft))
 }
 
@@ -53,6 +54,7 @@ pub(super) fn normal_map(mut draft: Draft, _: &mut Translation) -> Result<Outcom
     for child in draft.children.iter_mut().filter(|child| is_texture(child)) {
         child.name = "normalmap".to_owned();
     }
+    draft.state_plain_normals();
     Ok(Outcome::Plugin(draft))
 }
 

@@ -6,7 +6,9 @@
 
 mod before_0_5;
 mod cameras_and_methods;
+mod cie;
 mod color;
+mod foreign;
 mod light_and_shape;
 mod materials;
 mod obj_materials;
@@ -21,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::draft::{Alias, Draft, DraftChild, Reading, Target};
 use crate::scene::bundle::Bundle;
 use crate::scene::description::{Parameter, PluginClass, Value};
-use crate::scene::error::{SceneError, closest_name, nearest_name};
+use crate::scene::error::{SceneError, closest_name};
 use crate::scene::notice::Notice;
 use rules::{RULES, Rule};
 
@@ -118,11 +120,8 @@ impl Translation {
 
     fn plugin(&mut self, mut draft: Draft) -> Result<Outcome, SceneError> {
         before_0_5::rename(&mut draft, self.version);
-        let of_class = || RULES.iter().filter(|rule| rule.class == draft.class);
-        let Some(rule) = of_class().find(|rule| rule.old == draft.plugin) else {
-            let known: Vec<&str> = of_class().map(|rule| rule.old).collect();
-            let problem = format!("Mitsuba 0.6 has no {} \"{}\"", draft.class.tag(), draft.plugin);
-            return Err(SceneError::new(&draft.location, problem, nearest_name(&draft.plugin, &known)));
+        let Some(rule) = RULES.iter().find(|rule| rule.class == draft.class && rule.old == draft.plugin) else {
+            return foreign::translate(draft, self);
         };
         self.rename(&mut draft, rule);
         self.children(&mut draft)?;

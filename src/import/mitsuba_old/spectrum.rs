@@ -1,42 +1,43 @@
 //! Spectra as colors: what Mitsuba's RGB mode makes of them.
 
-/// The visible range over which spectra are integrated, nm.
-const VISIBLE: std::ops::Range<u32> = 360..831;
+use super::cie;
 
 /// Linear Rec. 709 of a spectral density over wavelength in nm, with the scale on which a constant 1 has luminance 1.
 /// Negative channels of colors outside the gamut become 0, as in Mitsuba.
 pub(in super::super) fn to_rgb(density: impl Fn(f64) -> f64) -> [f64; 3] {
+    weighted(|wavelength, _| density(wavelength), |_| 1.0)
+}
+
+/// The same of a reflectance, which is seen in daylight: a constant 1 is about white.
+pub(in super::super) fn reflectance_to_rgb(reflectance: impl Fn(f64) -> f64) -> [f64; 3] {
+    // Mitsuba's scale of daylight is so much off 1.
+    const SCALE: f64 = 0.99889;
+    weighted(|wavelength, daylight| reflectance(wavelength) * daylight, |daylight| daylight)
+        .map(|channel| channel * SCALE)
+}
+
+/// Of the values of `density`, for wavelengths in nm and daylight there; a luminance of 1 is that of `white`.
+fn weighted(density: impl Fn(f64, f64) -> f64, white: impl Fn(f64) -> f64) -> [f64; 3] {
+    const STEPS: usize = 1000;
     let mut xyz = [0.0; 3];
-    let mut luminance_of_one = 0.0;
-    for wavelength in VISIBLE.map(f64::from) {
-        let matching = color_matching(wavelength);
-        let value = density(wavelength);
-        for (sum, weight) in xyz.iter_mut().zip(matching) {
+    let mut luminance = 0.0;
+    for step in 0..STEPS {
+        let share = step as f64 / (STEPS - 1) as f64;
+        let wavelength = cie::FIRST + share * cie::STEP * (cie::TABLE.len() - 1) as f64;
+        let [x, y, z, daylight] = cie::at(wavelength);
+        let value = density(wavelength, daylight);
+        for (sum, weight) in xyz.iter_mut().zip([x, y, z]) {
             *sum += value * weight;
         }
-        luminance_of_one += matching[1];
+        luminance += white(daylight) * y;
     }
-    let [x, y, z] = xyz.map(|sum| sum / luminance_of_one);
+    let [x, y, z] = xyz.map(|sum| sum / luminance);
     let rgb = [
         3.240479 * x - 1.537150 * y - 0.498535 * z,
         -0.969256 * x + 1.875991 * y + 0.041556 * z,
         0.055648 * x - 0.204043 * y + 1.057311 * z,
     ];
     rgb.map(|channel| channel.max(0.0))
-}
-
-/// The CIE 1931 2° color matching functions as sums of Gaussians (Wyman, Sloan and Shirley 2013), within 1 % of the
-/// tables' peaks.
-fn color_matching(wavelength: f64) -> [f64; 3] {
-    let lobe = |height: f64, center: f64, below: f64, above: f64| {
-        let deviation = (wavelength - center) / if wavelength < center { below } else { above };
-        height * libm::exp(-0.5 * deviation * deviation)
-    };
-    [
-        lobe(1.056, 599.8, 37.9, 31.0) + lobe(0.362, 442.0, 16.0, 26.7) + lobe(-0.065, 501.1, 20.4, 26.2),
-        lobe(0.821, 568.8, 46.9, 40.5) + lobe(0.286, 530.9, 16.3, 31.1),
-        lobe(1.217, 437.0, 11.8, 36.0) + lobe(0.681, 459.0, 26.0, 13.8),
-    ]
 }
 
 /// Linear interpolation between points of increasing wavelength; 0 outside.
@@ -69,6 +70,23 @@ mod tests {
         assert!((0.2126 * red + 0.7152 * green + 0.0722 * blue - 1.0).abs() < 2e-3);
         for (channel, expected) in [(red, 1.205), (green, 0.948), (blue, 0.909)] {
             assert!((channel - expected).abs() < 0.02, "{channel} for {expected}");
+        }
+    }
+
+    /// Mitsuba 3.9.1, `scalar_rgb`: a constant emitter, and a diffuse surface in a white sky.
+    #[test]
+    fn colors_are_those_of_mitsuba() {
+        let points = [(400.0, 0.1), (500.0, 0.5), (700.0, 0.9)];
+        let spectrum = |wavelength| interpolate(&points, wavelength);
+        for (found, expected) in [
+            (to_rgb(spectrum), [0.91792, 0.56549, 0.24161]),
+            (reflectance_to_rgb(spectrum), [0.77540, 0.59351, 0.27704]),
+            (to_rgb(|_| 0.5), [0.60240, 0.47415, 0.45446]),
+        ] {
+            assert!(
+                found.iter().zip(expected).all(|(one, other)| (one - other).abs() < 2e-4),
+                "{found:?} {expected:?}"
+            );
         }
     }
 

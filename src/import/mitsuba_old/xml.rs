@@ -27,6 +27,8 @@ pub(in super::super) fn class_of_tag(tag: &str) -> Option<PluginClass> {
     match tag {
         "camera" => Some(PluginClass::Sensor),
         "luminaire" => Some(PluginClass::Emitter),
+        // They are passed over.
+        "medium" | "phase" | "volume" => None,
         _ => plugins::class_of_tag(tag),
     }
 }

@@ -1,4 +1,4 @@
-//! Cameras: `perspective` and `thinlens`.
+//! Cameras: `perspective`, `thinlens` and `orthographic`.
 //!
 //! | parameter | meaning | unit, range | default |
 //! |---|---|---|---|
@@ -7,8 +7,12 @@
 //! | `fov_axis` | `x`, `y`, `diagonal`, `smaller`, `larger` | – | `x` |
 //! | `to_world` | the camera looks along +z, its left is +x, up is +y | – | identity |
 //! | `near_clip`, `far_clip` | nearest and farthest depth that is seen | m | 0.01, 10000 |
+//! | `principal_point_offset_x`, `principal_point_offset_y` | where the axis meets the film, from its middle towards the left and upwards | widths and heights of the film | 0 |
 //! | `aperture_radius` | `thinlens`: radius of the lens | m, > 0 | – |
 //! | `focus_distance` | `thinlens`: depth that is sharp | m, > 0 | `far_clip` |
+//!
+//! `orthographic` takes `to_world` and the clip depths: the film is 2 units of its own space wide, so that a scale in `to_world`
+//! says how much it sees. All of its rays are parallel, so its densities are by area across them instead of by solid angle.
 
 use glam::{DVec3, Vec3};
 
@@ -24,8 +28,12 @@ pub struct Camera {
     position: Vec3,
     /// Unit axes: left, up, forward.
     axes: [Vec3; 3],
-    /// Tangents of the half angles along x and y.
+    /// Tangents of the half angles along x and y; of parallel rays half the film's width and height, m.
     half_extent: Vec2,
+    /// Whether all rays are parallel.
+    parallel: bool,
+    /// Where the axis meets the film, from its middle to the right and downwards, as shares of its sides.
+    principal_point: Vec2,
     aperture_radius: f32,
     focus_distance: f32,
     near: f32,
@@ -39,15 +47,16 @@ pub struct SeenByCamera {
     pub film: Vec2,
     /// Unit direction from the point to the lens.
     pub direction: Vec3,
-    /// Distance to the lens, m.
-    pub distance: f32,
+    /// What [`SeenByCamera::pdf`] is to be divided by for a density by area across the direction: the squared distance to the
+    /// lens, m²; 1 for parallel rays.
+    pub spread: f32,
     /// Distance to where camera rays start, m.
     pub visible_distance: f32,
-    /// See [`Camera::pdf_solid_angle`].
-    pub pdf_solid_angle: f32,
+    /// See [`Camera::pdf`].
+    pub pdf: f32,
 }
 
-const CAMERAS: &[&str] = &["perspective", "thinlens"];
+const CAMERAS: &[&str] = &["perspective", "thinlens", "orthographic"];
 
 /// Reads a sensor's own parameters, for a whole film of `width` × `height` pixels; the film and sampler are read elsewhere.
 pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera, SceneError> {
@@ -58,7 +67,12 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
     }
     let to_world = ToWorld::read(fields)?;
     let (near, far) = clip(fields)?;
-    let half_extent = half_extent(fields, width, height)?;
+    let parallel = plugin == "orthographic";
+    let half_extent = match parallel {
+        true => half_film(&to_world, f64::from(width) / f64::from(height)),
+        false => half_extent(fields, width, height)?,
+    };
+    let principal_point = if parallel { Vec2::ZERO } else { principal_point(fields)? };
     let (aperture_radius, focus_distance) = lens(fields, far)?;
     fields.ignore(&["shutter_open", "shutter_close"]);
     let axis = |axis: DVec3| to_world.vector(axis).normalize().as_vec3();
@@ -66,11 +80,24 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
         position: to_single(to_world.point(DVec3::ZERO), fields)?,
         axes: [axis(DVec3::X), axis(DVec3::Y), axis(DVec3::Z)],
         half_extent,
+        parallel,
+        principal_point,
         aperture_radius,
         focus_distance,
         near,
         far,
     })
+}
+
+/// Half the width and height of what parallel rays see, m.
+fn half_film(to_world: &ToWorld, aspect: f64) -> Vec2 {
+    let [x, y] = [DVec3::X, DVec3::Y].map(|axis| to_world.vector(axis).length());
+    Vec2::new(x as f32, (y / aspect) as f32)
+}
+
+fn principal_point(fields: &mut Fields<'_>) -> Result<Vec2, SceneError> {
+    let mut offset = |name| Ok::<f32, SceneError>(fields.float(name)?.unwrap_or(0.0) as f32);
+    Ok(-Vec2::new(offset("principal_point_offset_x")?, offset("principal_point_offset_y")?))
 }
 
 fn positive(fields: &mut Fields<'_>, name: &'static str) -> Result<Option<f32>, SceneError> {
@@ -104,7 +131,10 @@ fn lens(fields: &mut Fields<'_>, far: f32) -> Result<(f32, f32), SceneError> {
 }
 
 /// Tangents of the half angles of view along x and y.
-fn half_extent(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<Vec2, SceneError> {
+///
+/// # Errors
+/// Angles out of range, and both `fov` and `focal_length`.
+pub fn half_extent(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<Vec2, SceneError> {
     let aspect = f64::from(width) / f64::from(height);
     let Some(fov) = fields.float("fov")? else { return focal_length(fields, aspect) };
     if !(fov > 0.0 && fov < 180.0) {
@@ -150,9 +180,14 @@ impl Camera {
     /// The ray through a point of the film, (0, 0) top left to (1, 1) bottom right, and a lens sample in [0, 1)².
     #[inline]
     pub fn ray(&self, picture: Vec2, lens: [f32; 2]) -> Ray {
+        let picture = picture - self.principal_point;
         let x = (1.0 - 2.0 * picture.x) * self.half_extent.x;
         let y = (1.0 - 2.0 * picture.y) * self.half_extent.y;
         let [left, up, forward] = self.axes;
+        if self.parallel {
+            let origin = self.position + left * x + up * y + forward * self.near;
+            return Ray { origin, direction: forward, length: self.far - self.near };
+        }
         let through = left * x + up * y + forward;
         let (start, direction) = if self.aperture_radius > 0.0 {
             let point = warp::disc(lens) * self.aperture_radius;
@@ -167,18 +202,32 @@ impl Camera {
         Ray { origin, direction, length: (self.far - self.near) * per_depth }
     }
 
-    /// The density of directions of [`Camera::ray`] for a film point uniform over the whole film, by solid angle; of all points
-    /// of the lens the same.
+    /// The density of [`Camera::ray`] for a film point uniform over the whole film: of directions by solid angle, for all points
+    /// of the lens the same; of parallel rays by area across them.
     #[inline]
-    pub fn pdf_solid_angle(&self, direction: Vec3) -> f32 {
+    pub fn pdf(&self, direction: Vec3) -> f32 {
+        if self.parallel {
+            return 1.0 / (4.0 * self.half_extent.x * self.half_extent.y);
+        }
         let cosine = direction.dot(self.axes[2]);
         1.0 / (4.0 * self.half_extent.x * self.half_extent.y * cosine * cosine * cosine)
     }
 
     /// How far along `direction` rays start, m.
     #[inline]
-    pub fn near_distance(&self, direction: Vec3) -> f32 {
+    fn near_distance(&self, direction: Vec3) -> f32 {
         self.near / direction.dot(self.axes[2])
+    }
+
+    /// What [`Camera::pdf`] is to be divided by for the density by area across `direction` at `distance` along a ray of the
+    /// camera: see [`SeenByCamera::spread`].
+    #[inline]
+    pub fn spread(&self, direction: Vec3, distance: f32) -> f32 {
+        if self.parallel {
+            return 1.0;
+        }
+        let distance = distance + self.near_distance(direction);
+        distance * distance
     }
 
     /// Where the film sees `point` from a place of the lens; `None` behind the camera and beyond its clip distances.
@@ -191,6 +240,13 @@ impl Camera {
         if !(depth > self.near && depth < self.far) {
             return None;
         }
+        let middle = self.principal_point + 0.5;
+        if self.parallel {
+            let film = Vec2::new(from_lens.dot(left), from_lens.dot(up)) / self.half_extent;
+            let (direction, visible_distance) = (-forward, depth - self.near);
+            let pdf = self.pdf(forward);
+            return Some(SeenByCamera { film: middle - film * 0.5, direction, spread: 1.0, visible_distance, pdf });
+        }
         // Lens and point span a line that meets the plane of focus where the whole film is sharp.
         let sharp = |offset: f32, lens: f32| offset / depth + lens / self.focus_distance;
         let x = sharp(from_lens.dot(left), start.x) / self.half_extent.x;
@@ -198,11 +254,11 @@ impl Camera {
         let distance = from_lens.length();
         let direction = from_lens / distance;
         Some(SeenByCamera {
-            film: Vec2::new(0.5 - 0.5 * x, 0.5 - 0.5 * y),
+            film: Vec2::new(middle.x - 0.5 * x, middle.y - 0.5 * y),
             direction: -direction,
-            distance,
+            spread: distance * distance,
             visible_distance: distance - self.near_distance(direction),
-            pdf_solid_angle: self.pdf_solid_angle(direction),
+            pdf: self.pdf(direction),
         })
     }
 
@@ -216,8 +272,20 @@ impl Camera {
         self.position
     }
 
+    /// The distance of what it sees at `point`, m: from where it stands, or along parallel rays.
+    #[inline]
+    pub fn distance_to(&self, point: Vec3) -> f32 {
+        match self.parallel {
+            true => (point - self.position).dot(self.axes[2]),
+            false => point.distance(self.position),
+        }
+    }
+
     /// Radius of the footprint of a pixel at `distance`, m, in a whole film `width` pixels wide.
     pub fn pixel_footprint(&self, distance: f32, width: u32) -> f32 {
+        if self.parallel {
+            return self.half_extent.x / width as f32;
+        }
         distance * self.half_extent.x / width as f32
     }
 }

@@ -1,5 +1,5 @@
-//! `cylinder`: the open tube of `radius` (m, above 0, 1) between `p0` (point, origin) and `p1` (point, 0 0 1), then `to_world`
-//! (a similarity). Outside is away from the axis; `flip_normals` (boolean, false) turns it round. It has no caps.
+//! `cylinder`: the open tube of `radius` (m, above 0, 1) between `p0` (point, origin) and `p1` (point, 0 0 1), then `to_world`;
+//! where that makes more of it than a round tube, it is a fine mesh. Outside is away from the axis; `flip_normals` (boolean, false) turns it round. It has no caps.
 
 use std::f32::consts::TAU;
 
@@ -11,6 +11,7 @@ use super::parameterization::{cosine_and_sine, turns};
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
 use super::sphere::positive_radius;
 use super::transform::{ToWorld, to_single};
+use super::triangle::Triangle;
 use crate::math::Frame;
 use crate::math::trigonometry::sin_cos_turn;
 use crate::scene::error::SceneError;
@@ -42,16 +43,60 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
         return Err(fields.error("p1", "the cylinder has no height", "give p0 and p1 that differ"));
     }
     let across = Frame::from_normal((end - start).normalize().as_vec3()).tangent.as_dvec3();
+    let other = (end - start).normalize().cross(across);
+    let (one, two) = (to_world.vector(across), to_world.vector(other));
+    let longest = one.length().max(two.length());
+    let is_round = (one.length() - two.length()).abs() <= 1e-4 * longest
+        && one.dot(two).abs() <= 1e-4 * longest * longest
+        && [one, two].iter().all(|side| side.dot(axis).abs() <= 1e-4 * longest * axis.length());
+    if !is_round {
+        return tube_of_triangles(fields, &to_world, [start, end], [across * radius, other * radius], flip);
+    }
     let cylinder = Cylinder {
         start: to_single(to_world.point(start), fields)?,
         axis: axis.normalize().as_vec3(),
         height: to_single(DVec3::splat(axis.length()), fields)?.x,
-        radius: to_single(DVec3::splat(radius * to_world.uniform_scale(fields)?), fields)?.x,
+        radius: to_single(DVec3::splat(radius * one.length()), fields)?.x,
         orientation: if flip { -1.0 } else { 1.0 },
         meridian: to_world.vector(across).reject_from(axis).normalize().as_vec3(),
         handedness: to_world.handedness(),
     };
     Ok(ShapeGeometry::from_primitives(vec![Primitive::Cylinder(cylinder)]))
+}
+
+/// Quadrilaterals round a tube that is no round one.
+const SIDES: usize = 512;
+
+/// The tube between two points, with two radii across, as triangles with smooth normals.
+fn tube_of_triangles(
+    fields: &Fields<'_>,
+    to_world: &ToWorld,
+    [start, end]: [DVec3; 2],
+    radii: [DVec3; 2],
+    flip: bool,
+) -> Result<ShapeGeometry, SceneError> {
+    let mut shape = ShapeGeometry::default();
+    let sign = if flip { -1.0 } else { 1.0 };
+    let corner = |side: usize, top: bool| {
+        let turn = side as f32 / SIDES as f32;
+        let (sin, cos) = sin_cos_turn(turn);
+        let outward = radii[0] * f64::from(cos) + radii[1] * f64::from(sin);
+        let point = to_single(to_world.point(if top { end } else { start } + outward), fields)?;
+        let normal = to_world.normal(outward.normalize()).as_vec3() * sign;
+        Ok((point, normal, Vec2::new(turn, if top { 1.0 } else { 0.0 })))
+    };
+    let reversed = flip != (to_world.handedness() < 0.0);
+    for side in 0..SIDES {
+        let corners = [corner(side, false)?, corner(side + 1, false)?, corner(side + 1, true)?, corner(side, true)?];
+        for order in [[0, 1, 2], [0, 2, 3]] {
+            let order = if reversed { [order[2], order[1], order[0]] } else { order };
+            let vertices = order.map(|index: usize| corners[index].0);
+            shape.primitives.push(Primitive::Triangle(Triangle { vertices }));
+            shape.shading_normals.push(order.map(|index| corners[index].1));
+            shape.texture_coordinates.push(order.map(|index| corners[index].2));
+        }
+    }
+    Ok(shape)
 }
 
 impl Cylinder {

@@ -1,5 +1,6 @@
-//! `sphere`: `center` (point, origin) and `radius` (m, above 0, 1) in its own space, then `to_world` (a similarity).
-//! Outside is away from the centre; `flip_normals` (boolean, false) turns it round.
+//! `sphere`: `center` (point, origin) and `radius` (m, above 0, 1) in its own space, then `to_world`.
+//! Where that scales unevenly, it stays a sphere, as in Mitsuba: with the scale along x that is left when the rotation is taken
+//! off. Outside is away from the centre; `flip_normals` (boolean, false) turns it round.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -33,12 +34,16 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let radius = positive_radius(fields)?;
     let to_world = ToWorld::read(fields)?;
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
+    let axis = |axis: DVec3| match to_world.is_similarity() {
+        true => to_world.vector(axis).normalize(),
+        false => to_world.decomposed().0 * axis,
+    };
     let sphere = Sphere {
         center: to_single(to_world.point(center), fields)?,
-        radius: to_single(DVec3::splat(radius * to_world.uniform_scale(fields)?), fields)?.x,
+        radius: to_single(DVec3::splat(radius * to_world.scale()), fields)?.x,
         orientation: if flip { -1.0 } else { 1.0 },
-        pole: to_world.vector(DVec3::Z).normalize().as_vec3(),
-        meridian: to_world.vector(DVec3::X).normalize().as_vec3(),
+        pole: axis(DVec3::Z).as_vec3(),
+        meridian: axis(DVec3::X).as_vec3(),
         handedness: to_world.handedness(),
     };
     Ok(ShapeGeometry::from_primitives(vec![Primitive::Sphere(sphere)]))

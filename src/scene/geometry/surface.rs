@@ -27,12 +27,16 @@ pub struct Shape {
     pub light: u32,
     /// Whether its hits get texture coordinates and a frame along ∂p/∂u, which costs time and memory.
     pub needs_uv: bool,
+    /// Whether its hits get [`Interaction::partials`].
+    pub needs_partials: bool,
+    /// The medium inside, and that outside, where it separates two.
+    pub media: Option<[Option<u16>; 2]>,
 }
 
 impl Shape {
     /// A shape without light whose material does not look at texture coordinates.
     pub fn new(material: u32) -> Self {
-        Self { material, light: NO_LIGHT, needs_uv: false }
+        Self { material, light: NO_LIGHT, needs_uv: false, needs_partials: false, media: None }
     }
 }
 
@@ -81,6 +85,9 @@ pub struct Interaction {
     pub instance: u32,
     /// Bound on the rounding error of `position`, m.
     pub error: f32,
+    /// (a, b, c), where ∂p/∂u and ∂p/∂v are (a, 0) and (b, c) along the frame's tangent and bitangent, m, where the shape
+    /// needs them, else 0.
+    pub partials: [f32; 3],
 }
 
 impl Interaction {
@@ -122,8 +129,9 @@ impl Geometry {
             shading_normals.append(&mut geometry.shading_normals);
             kept_shapes.push(shape);
         }
-        let boxes = primitives.iter().map(Primitive::bounds);
-        let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let boxes = primitives.iter().map(Primitive::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+        // Light from outside needs a place even where there is nothing.
+        let (low, high) = boxes.unwrap_or((-Vec3::ONE, Vec3::ONE));
         let (accelerator, order) = Accelerator::build(&primitives);
         drop(primitives);
         coordinates.reorder(&order);
@@ -217,6 +225,13 @@ impl Geometry {
         self.accelerator.is_blocked(ray) || self.instances.as_ref().is_some_and(|instances| instances.is_blocked(ray))
     }
 
+    /// [`Interaction::partials`] of a hit.
+    #[inline(never)]
+    pub fn partials_in_frame(&self, hit: &Interaction) -> [f32; 3] {
+        let [along_u, along_v] = self.partials(hit).map(|partial| hit.frame.to_local(partial));
+        [along_u.x, along_v.x, along_v.y]
+    }
+
     // Inlined always: as a call of its own it would copy every hit once more.
     #[inline(always)]
     pub(super) fn interaction(&self, ray: &Ray, index: usize, hit: &PrimitiveHit) -> Interaction {
@@ -238,6 +253,7 @@ impl Geometry {
             primitive: index as u32,
             instance: NO_INSTANCE,
             error: point.error,
+            partials: [0.0; 3],
         };
         if shape.needs_uv {
             self.parameterize(&mut interaction, hit.barycentric);

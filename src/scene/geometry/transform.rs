@@ -50,17 +50,37 @@ impl ToWorld {
         if self.normal_matrix.determinant() < 0.0 { -1.0 } else { 1.0 }
     }
 
-    /// The one factor by which it scales all lengths; an error at `to_world` when it is not a similarity.
-    pub fn uniform_scale(&self, fields: &Fields<'_>) -> Result<f64, SceneError> {
+    /// Whether it scales all lengths by one factor.
+    pub fn is_similarity(&self) -> bool {
         let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.vector(axis));
         let scale = columns[0].length();
         let even = columns.iter().all(|column| (column.length() - scale).abs() <= 1e-4 * scale);
         let square = (0..3).all(|i| columns[i].dot(columns[(i + 1) % 3]).abs() <= 1e-4 * scale * scale);
-        if even && square {
-            return Ok(scale);
+        even && square
+    }
+
+    /// Fails at `to_world` when it is not a similarity.
+    pub fn check_similarity(&self, fields: &Fields<'_>) -> Result<(), SceneError> {
+        if self.is_similarity() {
+            return Ok(());
         }
         let problem = format!("a {} cannot be sheared or scaled unevenly", fields.node().plugin);
-        Err(fields.error("to_world", problem, "use a uniform scale, or a mesh"))
+        Err(fields.error("to_world", problem, "use a uniform scale"))
+    }
+
+    /// The factor by which it scales x, after its rotation is taken off. Of a similarity that of all lengths.
+    pub fn scale(&self) -> f64 {
+        if self.is_similarity() { self.vector(DVec3::X).length() } else { self.decomposed().1.x_axis.x.abs() }
+    }
+
+    /// The rotation and the stretch whose product is the linear part: its polar decomposition [Higham 1986].
+    pub fn decomposed(&self) -> (DMat3, DMat3) {
+        let linear = DMat3::from_mat4(self.matrix);
+        let mut rotation = linear;
+        for _ in 0..32 {
+            rotation = (rotation + rotation.inverse().transpose()) * 0.5;
+        }
+        (rotation, rotation.transpose() * linear)
     }
 }
 

@@ -105,7 +105,7 @@ impl EnvironmentMap {
             return Err(fields.error("scale", format!("\"scale\" is {scale}"), "give a number of at least 0"));
         }
         let to_world = ToWorld::read(fields)?;
-        to_world.uniform_scale(fields)?;
+        to_world.check_similarity(fields)?;
         // Chooses how Mitsuba samples; it changes no picture.
         fields.ignore(&["mis_compensation"]);
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis).normalize().as_vec3());

@@ -60,7 +60,7 @@ impl Ies {
         let dark = || SceneError::new(&location, "the luminaire emits nothing", "give candela values above 0");
         let profile = Profile::new(&photometry).ok_or_else(dark)?;
         let to_world = ToWorld::read(fields)?;
-        to_world.uniform_scale(fields)?;
+        to_world.check_similarity(fields)?;
         Ok(Self {
             position: to_single(to_world.point(DVec3::ZERO), fields)?,
             axes: [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis).normalize().as_vec3()),

@@ -10,6 +10,7 @@ pub mod environment_map;
 pub mod ies;
 pub mod outlook;
 pub mod point;
+pub mod projector;
 mod read;
 pub mod spot;
 pub mod surroundings;
@@ -25,6 +26,7 @@ pub use environment_map::EnvironmentMap;
 pub use ies::Ies;
 pub use outlook::{Outlook, Place};
 pub use point::Point;
+pub use projector::Projector;
 pub use read::read;
 pub use spot::Spot;
 pub use surroundings::Surroundings;
@@ -151,7 +153,7 @@ macro_rules! lights {
     };
 }
 
-lights!(AreaLight, Point, Spot, Ies, Directional, Constant, EnvironmentMap);
+lights!(AreaLight, Point, Spot, Ies, Projector, Directional, Constant, EnvironmentMap);
 
 impl EmittedPhoton {
     /// A photon of a light without extent, for a density of directions by solid angle.

@@ -1,6 +1,6 @@
 //! Emitter plugins that stand alone; `area` belongs to a shape.
 
-use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Spot, Surroundings};
+use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Projector, Spot, Surroundings};
 use crate::scene::bundle::Bundle;
 use crate::scene::description::Node;
 use crate::scene::error::{SceneError, nearest_name};
@@ -20,7 +20,8 @@ type ReadEmitter = fn(&mut Source<'_, '_>) -> Result<Light, SceneError>;
 /// Emitter plugins by name.
 const EMITTERS: &[(&str, ReadEmitter)] = &[
     ("point", |source| Ok(Light::Point(Point::read(&mut source.fields)?))),
-    ("spot", |source| Ok(Light::Spot(Spot::read(&mut source.fields)?))),
+    ("spot", |source| Ok(Light::Spot(Spot::read(&mut source.fields, source.textures)?))),
+    ("projector", |source| Ok(Light::Projector(Projector::read(&mut source.fields, source.textures)?))),
     ("ies", |source| Ok(Light::Ies(Ies::read(&mut source.fields, source.bundle)?))),
     ("directional", |source| Ok(Light::Directional(Directional::read(&mut source.fields, source.surroundings)?))),
     ("constant", |source| Ok(Light::Constant(Constant::read(&mut source.fields, source.surroundings)?))),
@@ -40,10 +41,6 @@ pub fn read(
     textures: &mut TextureReader<'_>,
     bundle: &Bundle,
 ) -> Result<Light, SceneError> {
-    if node.plugin == "area" {
-        let problem = "emitter \"area\" stands outside a shape";
-        return Err(SceneError::new(&node.location, problem, "nest it in the shape that emits"));
-    }
     let Some((_, read)) = EMITTERS.iter().find(|(name, _)| *name == node.plugin) else {
         let known: Vec<&str> = EMITTERS.iter().map(|(name, _)| *name).collect();
         let problem = format!("there is no emitter \"{}\"", node.plugin);

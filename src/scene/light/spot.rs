@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | `intensity` | radiant intensity on the axis | W·sr⁻¹ | 1 |
 //! | `cutoff_angle` | half angle beyond which there is no light | degrees, 0 to 180 | 20 |
+//! | `texture` | colors the light: the image fills the square round the cone, its u along x, its v along y | – | white |
 //! | `beam_width` | half angle up to which intensity is full; it falls linearly with the angle from here | degrees, up to the cutoff | ¾ cutoff |
 
 use std::f32::consts::PI;
@@ -14,11 +15,12 @@ use super::outlook::{Aim, Lamp, Outlook};
 use super::point::read_intensity;
 use super::{DirectSample, EmittedPhoton};
 use crate::math::color::luminance;
-use crate::math::{Frame, Rgb, Vec3, warp};
+use crate::math::{Frame, Rgb, Vec2, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::geometry::transform::{ToWorld, to_single};
+use crate::scene::texture::{Texture, TextureReader};
 
 /// A spot light.
 #[derive(Clone, Debug)]
@@ -32,12 +34,36 @@ pub struct Spot {
     beam_width: f32,
     one_minus_cosine: f32,
     power: Rgb,
+    image: Option<Image>,
 }
+
+/// What colors the light.
+#[derive(Clone, Debug)]
+struct Image {
+    texture: Texture,
+    /// Unit axes across the light's.
+    across: [Vec3; 2],
+    /// Of the cutoff angle.
+    tangent: f32,
+}
+
+impl Image {
+    /// The color of a direction whose cosine against the axis is `cosine`.
+    #[inline]
+    fn color(&self, direction: Vec3, cosine: f32) -> Rgb {
+        let place = Vec2::from_array(self.across.map(|axis| axis.dot(direction))) / (cosine * self.tangent);
+        self.texture.color(place * 0.5 + 0.5)
+    }
+}
+
+/// Directions along each axis that tell the power of a spot with an image.
+const PROBES: usize = 64;
 
 impl Spot {
     /// Reads the parameters.
-    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+    pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
         let to_world = ToWorld::read(fields)?;
+        let texture = textures.color(fields, "texture")?;
         let intensity = read_intensity(fields)?;
         let cutoff = fields.float("cutoff_angle")?.unwrap_or(20.0);
         if !(cutoff > 0.0 && cutoff <= 180.0) {
@@ -50,7 +76,9 @@ impl Spot {
             return Err(fields.error("beam_width", problem, format!("give an angle from 0 to the cutoff, {cutoff}")));
         }
         let (cutoff, beam_width) = (cutoff.to_radians(), beam_width.to_radians());
-        Ok(Self {
+        let across = [DVec3::X, DVec3::Y].map(|axis| to_world.vector(axis).normalize().as_vec3());
+        let image = texture.map(|texture| Image { texture, across, tangent: libm::tan(cutoff) as f32 });
+        let mut spot = Self {
             position: to_single(to_world.point(DVec3::ZERO), fields)?,
             axis: Frame::from_normal(to_world.vector(DVec3::Z).normalize().as_vec3()),
             intensity,
@@ -58,12 +86,37 @@ impl Spot {
             beam_width: beam_width as f32,
             one_minus_cosine: (2.0 * libm::sin(0.5 * cutoff) * libm::sin(0.5 * cutoff)) as f32,
             power: intensity * solid_angle(cutoff, beam_width) as f32,
-        })
+            image,
+        };
+        if spot.image.is_some() {
+            spot.power = spot.probed_power();
+        }
+        Ok(spot)
     }
 
-    /// Intensity at the angle whose cosine against the axis is `cosine`.
+    /// The mean flux of directions all over the cone.
+    fn probed_power(&self) -> Rgb {
+        let middle = |index: usize| (index as f32 + 0.5) / PROBES as f32;
+        let probes = (0..PROBES * PROBES).map(|index| {
+            let local = warp::cone(self.one_minus_cosine, [middle(index % PROBES), middle(index / PROBES)]);
+            self.intensity_at(self.axis.to_world(local), local.z)
+        });
+        probes.sum::<Rgb>() * (2.0 * PI * self.one_minus_cosine / (PROBES * PROBES) as f32)
+    }
+
+    /// Intensity in a direction whose cosine against the axis is `cosine`.
     #[inline]
-    fn intensity_at(&self, cosine: f32) -> Rgb {
+    fn intensity_at(&self, direction: Vec3, cosine: f32) -> Rgb {
+        let intensity = self.falloff(cosine);
+        match &self.image {
+            Some(image) if intensity != Rgb::ZERO => intensity * image.color(direction, cosine),
+            _ => intensity,
+        }
+    }
+
+    /// Intensity without an image.
+    #[inline]
+    fn falloff(&self, cosine: f32) -> Rgb {
         let angle = libm::acosf(cosine.clamp(-1.0, 1.0));
         if angle >= self.cutoff {
             return Rgb::ZERO;
@@ -83,7 +136,9 @@ impl Spot {
     pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
         const ROOM: f32 = 1e-4;
         let aim = Aim::Cone(self.axis.normal, 1.0 - self.one_minus_cosine - ROOM);
-        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity: luminance(self.intensity), aim })
+        let brightest = self.image.as_ref().map_or(1.0, |image| luminance(image.texture.range()[1]));
+        let intensity = luminance(self.intensity) * brightest;
+        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity, aim })
     }
 
     /// I(angle)/d².
@@ -92,7 +147,7 @@ impl Spot {
         let to_light = self.position - point;
         let distance = to_light.length();
         let direction = to_light / distance;
-        let intensity = self.intensity_at(-direction.dot(self.axis.normal));
+        let intensity = self.intensity_at(-direction, -direction.dot(self.axis.normal));
         (distance > 0.0 && intensity != Rgb::ZERO).then(|| DirectSample {
             direction,
             distance,
@@ -106,8 +161,8 @@ impl Spot {
     #[inline]
     pub fn emit(&self, _geometry: &Geometry, _place: [f32; 2], direction: [f32; 2]) -> Option<EmittedPhoton> {
         let local = warp::cone(self.one_minus_cosine, direction);
-        let flux = self.intensity_at(local.z) * (2.0 * PI * self.one_minus_cosine);
         let direction = self.axis.to_world(local);
+        let flux = self.intensity_at(direction, local.z) * (2.0 * PI * self.one_minus_cosine);
         Some(EmittedPhoton::from_point(self.position, direction, flux, self.cone_pdf()))
     }
 

@@ -107,4 +107,9 @@ impl Mask {
     pub fn constant_value(&self, _view: &View) -> Option<Rgb> {
         None
     }
+
+    /// That of the material.
+    pub fn turned_normal(&self, view: &View) -> Vec3 {
+        self.material.turned_normal(view)
+    }
 }

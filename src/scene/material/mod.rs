@@ -36,6 +36,7 @@ macro_rules! purely_specular {
 }
 
 pub mod blend;
+pub mod bump_map;
 pub mod conductor;
 pub mod dielectric;
 pub mod diffuse;
@@ -45,6 +46,7 @@ pub mod lobe_choice;
 pub mod mask;
 pub mod measured_metals;
 pub mod microfacet;
+pub mod normal_map;
 pub mod null;
 pub mod plastic;
 pub mod principled;
@@ -53,6 +55,7 @@ pub mod rough_conductor;
 pub mod rough_dielectric;
 pub mod rough_plastic;
 pub mod thin_dielectric;
+pub mod turned_normal;
 pub mod two_sided;
 pub mod ward;
 
@@ -60,14 +63,17 @@ use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::Node;
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
+use crate::scene::geometry::Interaction;
 use crate::scene::texture::TextureReader;
 
 pub use blend::Blend;
+pub use bump_map::BumpMap;
 pub use conductor::Conductor;
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
 pub use diffuse_transmitter::DiffuseTransmitter;
 pub use mask::Mask;
+pub use normal_map::NormalMap;
 pub use null::Null;
 pub use plastic::Plastic;
 pub use principled::Principled;
@@ -98,12 +104,21 @@ pub struct View {
     pub mode: TransportMode,
     /// Only these lobes count.
     pub lobes: Lobes,
+    /// See [`Interaction::partials`](crate::scene::geometry::Interaction::partials).
+    pub partials: [f32; 3],
 }
 
 impl View {
     /// All lobes at `uv`, seen from `outgoing`.
     pub fn new(uv: Vec2, outgoing: Vec3, mode: TransportMode) -> Self {
-        Self { uv, outgoing, mode, lobes: Lobes::ALL }
+        Self { uv, outgoing, mode, lobes: Lobes::ALL, partials: [0.0; 3] }
+    }
+
+    /// The surface as the path that came to `hit` sees it, with all lobes.
+    #[inline]
+    pub fn at(hit: &Interaction, mode: TransportMode) -> Self {
+        let outgoing = hit.frame.to_local(hit.outgoing);
+        Self { uv: hit.uv, outgoing, mode, lobes: Lobes::ALL, partials: hit.partials }
     }
 
     /// The same view of some lobes only.
@@ -316,6 +331,8 @@ materials! {
     Null(Null) = "null",
     Principled(Box<Principled>) = "principled",
     DiffuseTransmitter(DiffuseTransmitter) = "difftrans",
+    NormalMap(Box<NormalMap>) = "normalmap",
+    BumpMap(Box<BumpMap>) = "bumpmap",
 }
 
 /// Reads a material node.
@@ -340,5 +357,16 @@ impl Material {
     /// What a shape without a bsdf is made of when it emits, as in Mitsuba.
     pub fn black() -> Self {
         Self::TwoSided(TwoSided::matte(0.0))
+    }
+
+    /// The normal in the shading frame that a normal or bump map of it turns; +z where there is none, or several.
+    pub fn turned_normal(&self, view: &View) -> Vec3 {
+        match self {
+            Self::NormalMap(map) => map.normal(view),
+            Self::BumpMap(map) => map.normal(view),
+            Self::TwoSided(sides) => sides.turned_normal(view),
+            Self::Mask(mask) => mask.turned_normal(view),
+            _ => Vec3::Z,
+        }
     }
 }

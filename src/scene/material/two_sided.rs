@@ -97,4 +97,10 @@ impl TwoSided {
         let (material, side) = self.side(view);
         material.constant_value(&side)
     }
+
+    /// That of the side that is seen, in the frame of the front.
+    pub fn turned_normal(&self, view: &View) -> Vec3 {
+        let (material, side) = self.side(view);
+        material.turned_normal(&side)
+    }
 }

@@ -2,7 +2,7 @@
 //!
 //! | parameter | meaning | values | default |
 //! |---|---|---|---|
-//! | `filename` | PNG, JPEG, OpenEXR, Radiance HDR or TGA | – | required |
+//! | `filename` | PNG, JPEG, OpenEXR, Radiance HDR, TGA or BMP | – | required |
 //! | `filter_type` | between texels | `bilinear`, `nearest` | `bilinear` |
 //! | `wrap_mode` | outside of the unit square | `repeat`, `mirror`, `clamp` | `repeat` |
 //! | `raw` | integers stand for themselves; else they are sRGB | boolean | false |
@@ -101,6 +101,11 @@ impl Bitmap {
         let along_y = (c - a) * (1.0 - x) + (d - b) * x;
         let gradient = Vec2::new(along_x * width as f32 * slope_x, along_y * height as f32 * slope_y);
         self.to_uv.matrix2.transpose() * gradient
+    }
+
+    /// Width and height in texels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.raster.width() as u32, self.raster.height() as u32]
     }
 
     /// The mean of the texels.

@@ -55,9 +55,15 @@ pub(super) fn decode(bytes: &[u8], name: &str, choice: ImageChoice) -> Result<Ra
 fn format(bytes: &[u8], name: &str) -> Result<ImageFormat, (String, &'static str)> {
     let tga = name.rsplit('.').next().is_some_and(|extension| extension.eq_ignore_ascii_case("tga"));
     match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Hdr | ImageFormat::OpenExr)) => Ok(format),
+        Ok(
+            format
+            @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Hdr | ImageFormat::OpenExr | ImageFormat::Bmp),
+        ) => Ok(format),
         _ if tga => Ok(ImageFormat::Tga),
-        _ => Err(("the file is no image that can be read".to_owned(), "use PNG, JPEG, OpenEXR, Radiance HDR or TGA")),
+        _ => Err((
+            "the file is no image that can be read".to_owned(),
+            "use PNG, JPEG, OpenEXR, Radiance HDR, TGA or BMP",
+        )),
     }
 }
 

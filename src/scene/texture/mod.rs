@@ -21,6 +21,9 @@ pub use raster::Raster;
 pub use reader::TextureReader;
 pub use scale::Scale;
 
+/// The plugin of [`Texture::Constant`]: a color or number `value`, 1 by default.
+const CONSTANT: &str = "rawconstant";
+
 /// Reads the parameters of a texture plugin.
 type ReadTexture = fn(&mut Fields<'_>, &mut TextureReader<'_>) -> Result<Texture, SceneError>;
 
@@ -93,6 +96,14 @@ impl Texture {
         number_of(self.color(uv))
     }
 
+    /// Width and height in texels; of other textures than bitmaps 1 × 1.
+    pub fn size(&self) -> [u32; 2] {
+        match self {
+            Self::Bitmap(bitmap) => bitmap.size(),
+            _ => [1, 1],
+        }
+    }
+
     /// Whether it varies, so that surfaces need texture coordinates.
     pub fn varies(&self) -> bool {
         !matches!(self, Self::Constant(_))
@@ -108,8 +119,12 @@ fn number_of(rgb: Rgb) -> f32 {
 /// Reads the plugin at `fields` by its row of the table.
 fn read_plugin(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
     let plugin = &fields.node().plugin;
+    if plugin == CONSTANT {
+        let color = fields.rgb("value")?.unwrap_or([1.0; 3]);
+        return Ok(Texture::Constant(Rgb::from_array(color.map(|channel| channel as f32))));
+    }
     let Some((_, read)) = TEXTURES.iter().find(|(name, _)| name == plugin) else {
-        let known: Vec<&str> = TEXTURES.iter().map(|(name, _)| *name).collect();
+        let known: Vec<&str> = TEXTURES.iter().map(|(name, _)| *name).chain([CONSTANT]).collect();
         let problem = format!("there is no texture \"{plugin}\"");
         return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, &known)));
     };

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Raster, Texture, image_file};
+use super::{Raster, Texture, image_file, number_of};
 use crate::math::Rgb;
 use crate::scene::bundle::Bundle;
 use crate::scene::description::{Node, PluginClass};
@@ -33,13 +33,25 @@ pub struct TextureReader<'a> {
     bytes: u64,
     /// How often texture coordinates, or tangents along them, were asked for.
     coordinates_asked: usize,
+    /// How often partial derivatives of places by texture coordinates were asked for.
+    partials_asked: usize,
+    /// Whether any material turns normals.
+    normals_turned: bool,
 }
 
 impl<'a> TextureReader<'a> {
     /// A reader for a scene with these files.
     pub fn new(bundle: &'a Bundle) -> Self {
         let (images, texture_of_node) = (HashMap::new(), HashMap::new());
-        Self { bundle, images, texture_of_node, bytes: 0, coordinates_asked: 0 }
+        Self {
+            bundle,
+            images,
+            texture_of_node,
+            bytes: 0,
+            coordinates_asked: 0,
+            partials_asked: 0,
+            normals_turned: false,
+        }
     }
 
     /// How often texture coordinates were asked for so far: what was read in between needs them when this has grown.
@@ -50,6 +62,27 @@ impl<'a> TextureReader<'a> {
     /// Asks for a frame along ∂p/∂u, for materials that are not the same all round; textures ask by themselves.
     pub fn ask_for_tangents(&mut self) {
         self.coordinates_asked += 1;
+    }
+
+    /// How often partial derivatives were asked for so far, as [`TextureReader::coordinates_asked`].
+    pub fn partials_asked(&self) -> usize {
+        self.partials_asked
+    }
+
+    /// Asks for ∂p/∂u and ∂p/∂v, for displacements.
+    pub fn ask_for_partials(&mut self) {
+        self.partials_asked += 1;
+    }
+
+    /// Asks for a frame along ∂p/∂u, in which normals are turned.
+    pub fn ask_for_turned_normals(&mut self) {
+        self.ask_for_tangents();
+        self.normals_turned = true;
+    }
+
+    /// Whether a material turns normals.
+    pub fn turns_normals(&self) -> bool {
+        self.normals_turned
     }
 
     /// A share of light within [0, 1] (more would make energy); `default` where it was not given.
@@ -83,10 +116,15 @@ impl<'a> TextureReader<'a> {
         Ok(Some(texture))
     }
 
-    /// A number; `None` where it was not given. Its range ([`Texture::range`]) is for the caller to check.
+    /// A number, or the luminance of a color; `None` where it was not given. Its range ([`Texture::range`]) is for the caller
+    /// to check.
     pub fn number(&mut self, fields: &mut Fields<'_>, name: &'static str) -> Result<Option<Texture>, SceneError> {
         match self.nested(fields, name)? {
             Some(texture) => Ok(Some(texture)),
+            None if fields.is_rgb(name) => {
+                let rgb = fields.rgb(name)?.map(|rgb| Rgb::from_array(rgb.map(|channel| channel as f32)));
+                Ok(rgb.map(|rgb| Texture::grey(number_of(rgb))))
+            }
             None => Ok(fields.float(name)?.map(|number| Texture::grey(number as f32))),
         }
     }

@@ -33,6 +33,8 @@ struct Last {
     place: Place,
     /// Density of the new direction by solid angle; 0 for a specular lobe.
     pdf: f32,
+    /// Nothing turned the path yet: a scene that hides its lights hides the environment from it.
+    straight: bool,
     /// Sums after the scattering, before the next segment.
     sums: Sums,
     /// Whether all scattering was specular.
@@ -55,13 +57,14 @@ impl CameraWalk<'_> {
         let place = [pixel % scene.width, pixel / scene.width];
         let (mut ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
         let (mut throughput, mut index_squared, mut radiance) = (Rgb::splat(count), 1.0, Rgb::ZERO);
-        let mut last = Last { place: ray.origin.into(), pdf: 0.0, sums: Sums::default(), is_seen: true };
+        let mut last =
+            Last { place: ray.origin.into(), pdf: 0.0, straight: true, sums: Sums::default(), is_seen: true };
         for segments in 1u32.. {
             if !self.limits.allows(segments) {
                 break;
             }
             counters.rays += 1;
-            let found = scene.intersect(&ray);
+            let found = if segments == 1 { scene.intersect_from_camera(&ray) } else { scene.intersect(&ray) };
             if let Some((emitted, weight)) = self.emission(&ray, found.as_ref(), segments, &last, acceptance) {
                 radiance += self.selection.shown(throughput * emitted, weight);
             }
@@ -93,8 +96,9 @@ impl CameraWalk<'_> {
                 let reverse = reverse_pdf(scene, &hit, &view, sample.direction);
                 self.weighting.scatter(&sums, Densities { forward: sample.pdf, reverse }, cosine)
             };
+            let straight = last.straight && scattering.is_straight(&hit);
             let is_seen = last.is_seen && sample.is_specular();
-            last = Last { place: scene.place(&hit), pdf: sample.pdf, sums, is_seen };
+            last = Last { place: scene.place(&hit), pdf: sample.pdf, straight, sums, is_seen };
             ray = hit.ray_to(scattering.direction);
         }
         radiance
@@ -110,9 +114,8 @@ impl CameraWalk<'_> {
             return self.weighting.arrive(&last.sums, hit.distance * hit.distance, cosine);
         }
         let camera = &self.scene.camera;
-        let pdf = camera.pdf_solid_angle(-hit.outgoing) * self.scene.film.whole_pixel_count();
-        let distance = hit.distance + camera.near_distance(-hit.outgoing);
-        self.weighting.start_camera(pdf, distance * distance, cosine)
+        let pdf = camera.pdf(-hit.outgoing) * self.scene.film.whole_pixel_count();
+        self.weighting.start_camera(pdf, camera.spread(-hit.outgoing, hit.distance), cosine)
     }
 
     /// The radiance that a light sends along the last segment, and the weight of finding it by chance.
@@ -128,6 +131,7 @@ impl CameraWalk<'_> {
         let lights = &self.scene.lights;
         let arriving = match hit {
             Some(hit) => lights.emitted(&self.scene.geometry, &last.place, hit, last.is_seen),
+            None if self.scene.hides_lights && last.straight => None,
             None => lights.environment(&last.place, ray.direction),
         };
         let (radiance, sampled) = arriving?;

@@ -12,6 +12,7 @@ use crate::math::random::{PathRandom, dimension};
 use crate::math::{Rgb, Vec2, Vec3, octahedral};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
+use crate::scene::geometry::surface::NO_LIGHT;
 use crate::scene::material::{Lobes, Material, TransportMode, View};
 use crate::transport::direct_light::SHADOW_END;
 use crate::transport::kernel::Kernel;
@@ -136,16 +137,24 @@ pub fn to_camera(
     if !walk.limits.allows(segments) || !selection.takes(segments, light.segments + 1, 1) {
         return None;
     }
-    let seen = scene.camera.look_at(light.hit.position, lens).filter(|seen| scene.film.reaches(seen.film))?;
-    let reflected = light.reflect(scene, TransportMode::Flux, seen.direction)?;
-    let per_pixel = seen.pdf_solid_angle * scene.film.whole_pixel_count();
-    let distance_squared = seen.distance * seen.distance;
-    // The cosine is in the value.
-    let radiance = light.throughput * reflected.value * (per_pixel / distance_squared);
-    if radiance == Rgb::ZERO || !is_open(scene, light, seen.direction, seen.visible_distance, counters) {
+    if scene.hides_lights && light.hit.shape.light != NO_LIGHT {
         return None;
     }
-    let density = [per_pixel, reflected.cosine / distance_squared];
+    let seen = scene.camera.look_at(light.hit.position, lens).filter(|seen| scene.film.reaches(seen.film))?;
+    let reflected = light.reflect(scene, TransportMode::Flux, seen.direction)?;
+    let per_pixel = seen.pdf * scene.film.whole_pixel_count();
+    // The cosine is in the value.
+    let radiance = light.throughput * reflected.value * (per_pixel / seen.spread);
+    if radiance == Rgb::ZERO {
+        return None;
+    }
+    counters.rays += 1;
+    let origin = light.hit.offset_towards(seen.direction);
+    let length = seen.visible_distance * SHADOW_END;
+    if scene.is_hidden_from_camera(&Ray { origin, direction: seen.direction, length }) {
+        return None;
+    }
+    let density = [per_pixel, reflected.cosine / seen.spread];
     Some(SeenVertex {
         film: seen.film,
         radiance,

@@ -1,9 +1,9 @@
-//! Vertices of light subpaths as they are kept for a whole pass, 64 bytes each; another 32 bytes stand in the photon map.
+//! Vertices of light subpaths as they are kept for a whole pass, 76 bytes each; another 32 bytes stand in the photon map.
 
 use super::vertex::Vertex;
 use super::weights::Sums;
 use crate::math::{Frame, Rgb, Vec2, Vec3, octahedral};
-use crate::scene::geometry::surface::{NO_INSTANCE, NO_LIGHT};
+use crate::scene::geometry::surface::NO_INSTANCE;
 use crate::scene::geometry::{Interaction, Shape};
 
 /// A packed vertex. Directions and normals are octahedral codes, 0.05 mrad off at worst.
@@ -22,6 +22,8 @@ pub struct StoredVertex {
     segments: u16,
     /// `Interaction::error`, rounded up to its upper 16 bits.
     error: u16,
+    /// `Interaction::partials`.
+    partials: [f32; 3],
 }
 
 impl StoredVertex {
@@ -42,6 +44,7 @@ impl StoredVertex {
             material: hit.shape.material,
             segments: vertex.segments.min(u32::from(u16::MAX)) as u16,
             error: (hit.error.to_bits().saturating_add(0xffff) >> 16) as u16,
+            partials: hit.partials,
         }
     }
 
@@ -60,10 +63,11 @@ impl StoredVertex {
             uv: Vec2::from_array(self.uv),
             outgoing: self.direction(),
             distance: 0.0,
-            shape: Shape { material: self.material, light: NO_LIGHT, needs_uv: false },
+            shape: Shape::new(self.material),
             primitive: 0,
             instance: NO_INSTANCE,
             error: f32::from_bits(u32::from(self.error) << 16),
+            partials: self.partials,
         };
         let throughput = Rgb::from_array(self.throughput);
         Vertex { hit, throughput, sums: self.sums, segments: self.segments() }

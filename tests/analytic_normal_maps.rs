@@ -1,10 +1,11 @@
-//! Normal maps and bump maps against closed forms, and what cannot have a relief.
+//! Normal maps and bump maps against closed forms, and what cannot have one.
 
 #[path = "support/scene_files.rs"]
 mod scene_files;
 
 use photonfarm::math::Vec3;
 use photonfarm::scene::geometry::Ray;
+use photonfarm::scene::material::{TransportMode, View};
 use photonfarm::scene::{Scene, SceneError};
 use scene_files::{exr_file, prepare};
 
@@ -21,7 +22,7 @@ const TEXTURE: &str = "<texture type='bitmap' name='normalmap'><string name='fil
     <string name='wrap_mode' value='clamp'/></texture>";
 const DIFFUSE: &str = "<bsdf type='diffuse'/>";
 
-fn relief(kind: &str, inside: &str) -> String {
+fn turning(kind: &str, inside: &str) -> String {
     format!("<bsdf type='{kind}'>{TEXTURE}{inside}</bsdf>")
 }
 
@@ -29,13 +30,14 @@ fn relief(kind: &str, inside: &str) -> String {
 fn normal(scene: &Scene, x: f32, y: f32) -> Vec3 {
     let hit = scene.intersect(&Ray::new(Vec3::new(x, y, 2.0), -Vec3::Z)).expect("the ray hits");
     let frame = hit.frame;
+    let view = View::at(&hit, TransportMode::Radiance);
     let axes = [frame.tangent, frame.bitangent, frame.normal];
     for (index, axis) in axes.iter().enumerate() {
         assert!((axis.length() - 1.0).abs() < 1e-5 && axis.dot(axes[(index + 1) % 3]).abs() < 1e-5);
     }
     assert!(frame.tangent.x > 0.0 && frame.bitangent.y > 0.0, "the frame follows u");
-    assert_eq!(hit.geometric_normal, Vec3::Z, "the true surface stays");
-    frame.normal
+    assert_eq!([hit.geometric_normal, frame.normal], [Vec3::Z; 2], "the surface stays");
+    frame.to_world(scene.material(hit.shape).turned_normal(&view))
 }
 
 #[test]
@@ -44,7 +46,7 @@ fn analytic_normal_maps_hold_normals() {
         let color = (expected * 0.5 + 0.5).to_array();
         let file = exr_file(2, 2, |_, _| color);
         for bsdf in
-            [relief("normalmap", DIFFUSE), format!("<bsdf type='twosided'>{}</bsdf>", relief("normalmap", DIFFUSE))]
+            [turning("normalmap", DIFFUSE), format!("<bsdf type='twosided'>{}</bsdf>", turning("normalmap", DIFFUSE))]
         {
             let scene = rectangle(&bsdf, &file).expect("the scene is good");
             let found = normal(&scene, 0.3, -0.2);
@@ -62,7 +64,7 @@ fn analytic_bump_maps_are_slopes() {
     });
     for (scale, expected) in [(1.0, Vec3::new(-0.15, 0.05, 1.0)), (-4.0, Vec3::new(0.6, -0.2, 1.0))] {
         let inside = format!("<float name='scale' value='{scale}'/>{DIFFUSE}");
-        let scene = rectangle(&relief("bumpmap", &inside), &file).expect("the scene is good");
+        let scene = rectangle(&turning("bumpmap", &inside), &file).expect("the scene is good");
         let found = normal(&scene, 0.3, -0.2);
         assert!(found.distance(expected.normalize()) < 1e-4, "{found} is not {}", expected.normalize());
     }
@@ -82,20 +84,59 @@ fn analytic_bump_maps_follow_the_transform_of_their_texture() {
 }
 
 #[test]
-fn analytic_reliefs_that_cannot_be() {
+fn analytic_normal_maps_that_cannot_be() {
     let file = exr_file(2, 2, |_, _| [0.5, 0.5, 1.0]);
-    let twice = relief("normalmap", &relief("bumpmap", DIFFUSE));
-    let two = format!("<bsdf type='twosided'>{}{DIFFUSE}</bsdf>", relief("bumpmap", DIFFUSE));
     for (bsdf, part) in [
-        (twice, "one relief holds another"),
-        (two, "holds several bsdfs, one of them a \"bumpmap\""),
-        (relief("normalmap", ""), "\"normalmap\" holds no bsdf"),
+        (turning("normalmap", ""), "\"normalmap\" holds no bsdf"),
         (format!("<bsdf type='bumpmap'>{DIFFUSE}</bsdf>"), "\"bumpmap\" holds no texture"),
         (format!("<bsdf type='normalmap'>{DIFFUSE}</bsdf>"), "has no texture \"normalmap\""),
-        (relief("normalmap", &format!("{DIFFUSE}{DIFFUSE}")), "cannot hold another bsdf"),
-        (relief("bumpmap", &format!("{DIFFUSE}<float name='scall' value='1'/>")), "did you mean \"scale\"?"),
+        (turning("normalmap", &format!("{DIFFUSE}{DIFFUSE}")), "cannot hold another bsdf"),
+        (turning("bumpmap", &format!("{DIFFUSE}<float name='scall' value='1'/>")), "did you mean \"scale\"?"),
     ] {
         let message = rectangle(&bsdf, &file).err().unwrap_or_else(|| panic!("{bsdf} is no error")).to_string();
         assert!(message.contains(part) && message.contains("test.xml"), "{bsdf}: {message}");
+    }
+}
+
+/// The value of a matte surface of reflectance 1 whose normal is (0.6, 0, 0.8), as `mi.BSDF.eval` of Mitsuba 3.9.1 gives it with the
+/// cosine of light: without corrections, and with the two that are on by default.
+#[test]
+fn analytic_normal_maps_flip_and_dim_as_mitsuba() {
+    let file = exr_file(2, 2, |_, _| [0.8, 0.5, 0.9]);
+    let material = |flags: bool| {
+        let off = "<boolean name='flip_invalid_normals' value='false'/><boolean name='use_shadowing_function' value='false'/>";
+        let white = "<bsdf type='diffuse'><rgb name='reflectance' value='1'/></bsdf>";
+        let inside = format!("{}{white}", if flags { "" } else { off });
+        rectangle(&turning("normalmap", &inside), &file).expect("the scene is good")
+    };
+    let normal = Vec3::new(0.6, 0.0, 0.8);
+    let shadow = |light: Vec3| {
+        let tangent_squared = |z: f32| 1.0 / (z * z) - 1.0;
+        2.0 / (1.0 + (1.0 + 0.125 * tangent_squared(0.8) * tangent_squared(light.z)).sqrt())
+    };
+    for (viewer, light) in [
+        (Vec3::new(0.1, 0.2, 0.97), Vec3::new(0.3, -0.2, 0.93)),
+        (Vec3::new(-0.95, 0.0, 0.3), Vec3::new(-0.5, 0.2, 0.84)),
+        (Vec3::new(0.3, 0.0, 0.95), Vec3::new(-0.9, 0.1, 0.42)),
+    ] {
+        let (viewer, light) = (viewer.normalize(), light.normalize());
+        let faces = viewer.dot(normal) > 0.0;
+        let flipped = Vec3::new(-normal.x, -normal.y, normal.z);
+        let cosine = |normal: Vec3| light.dot(normal).max(0.0);
+        for (flags, expected) in [
+            (false, if faces { cosine(normal) } else { 0.0 }),
+            (true, cosine(if faces { normal } else { flipped }) * shadow(light)),
+        ] {
+            let scene = material(flags);
+            let hit = scene.intersect(&Ray::new(Vec3::new(0.3, 0.1, 2.0), -Vec3::Z)).expect("the ray hits");
+            let material = scene.material(hit.shape);
+            // As the path from the camera asks, and as the one from the light does.
+            let view = |outgoing, mode| View { outgoing, ..View::new(hit.uv, outgoing, mode) };
+            let camera = material.evaluate(&view(viewer, TransportMode::Radiance), light).x * light.z;
+            let from_light = material.evaluate(&view(light, TransportMode::Flux), viewer).x * light.z;
+            let expected = expected * std::f32::consts::FRAC_1_PI;
+            assert!((camera - expected).abs() < 1e-5, "{flags}: {camera} is not {expected}");
+            assert!((from_light - expected).abs() < 1e-5, "{flags}: {from_light} is not {expected}");
+        }
     }
 }

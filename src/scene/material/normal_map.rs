@@ -3,24 +3,28 @@
 //! | parameter | meaning | default |
 //! |---|---|---|
 //! | `normalmap` | a texture, whose bitmap is `raw`: red, green and blue from 0 to 1 are coordinates from -1 to 1 along ∂p/∂u, across it and along the shading normal | required |
-//! | a nested bsdf | the surface | required |
+//!
+//! See [`turned_normal`](super::turned_normal) for what it shares with `bumpmap`.
 
+use super::View;
+use super::turned_normal::{NormalSource, TurnedNormal};
 use crate::math::Vec3;
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
-use crate::scene::geometry::Interaction;
 use crate::scene::texture::{Texture, TextureReader};
+
+/// `normalmap`.
+pub type NormalMap = TurnedNormal<NormalImage>;
 
 /// Normals in the shading frame.
 #[derive(Clone, Debug)]
-pub struct NormalMap {
+pub struct NormalImage {
     normals: Texture,
 }
 
-impl NormalMap {
-    /// Reads the texture.
-    pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
+impl NormalSource for NormalImage {
+    fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
         match fields.named_child(PluginClass::Texture, "normalmap") {
             Some(node) => Ok(Self { normals: textures.texture(node)? }),
             None => {
@@ -30,8 +34,7 @@ impl NormalMap {
         }
     }
 
-    /// The unit normal in world space; none where the image holds no direction.
-    pub fn normal(&self, hit: &Interaction) -> Option<Vec3> {
-        hit.frame.to_world(self.normals.color(hit.uv) * 2.0 - 1.0).try_normalize()
+    fn normal(&self, view: &View) -> Option<Vec3> {
+        (self.normals.color(view.uv) * 2.0 - 1.0).try_normalize()
     }
 }

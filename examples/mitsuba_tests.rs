@@ -1,0 +1,165 @@
+//! Makes the table of `docs/MITSUBA-TESTS.md`: Mitsuba 3's own render tests, judged by Mitsuba's own rule.
+//!
+//! `cargo run --release --example mitsuba_tests -- ../shared/mitsuba-tests 512 path` renders every test with 512 passes of `path`,
+//! limited as its integrator says. The rule: z = (mean − reference)·√(passes/variance) per pixel and channel, two-sided, at a
+//! significance of 0.01 that is corrected for the number of pixels (Šidák); a test passes when 99.75 % of the values do. Methods
+//! whose pixels are correlated are judged by the means of 8 × 8 blocks and their own standard error instead.
+
+use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use photonfarm::estimate::Picture;
+use photonfarm::estimate::picture_files::read_exr;
+use photonfarm::evaluation::Run;
+use photonfarm::farm::method_choice::{choice, without_passed_over};
+use photonfarm::import::load_file;
+use photonfarm::method;
+use photonfarm::scene::Scene;
+
+/// The variance that Mitsuba takes at least.
+const LEAST_VARIANCE: f64 = 1e-4;
+/// The share of values that must pass.
+const SHARE: f64 = 0.9975;
+const SIGNIFICANCE: f64 = 0.01;
+/// Side of the blocks in which methods with correlated pixels are judged, pixels.
+const BLOCK: usize = 8;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [folder, passes, name] = arguments.as_slice() else {
+        return Err("usage: mitsuba_tests FOLDER PASSES METHOD".into());
+    };
+    let passes: u32 = passes.parse()?;
+    println!("| test | {name} | mean | mean of reference | values that pass | |\n|---|---|---:|---:|---:|---|");
+    let (mut loaded, mut passed) = (0, 0);
+    let tests = tests(&Path::new(folder).join("tests/scenes"))?;
+    for test in &tests {
+        let label = test.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        match run(test, name, passes) {
+            Ok(judged) => {
+                loaded += 1;
+                passed += u32::from(judged.share >= SHARE);
+                println!(
+                    "| {label} | {} | {:.5} | {:.5} | {:.2} % | {} |",
+                    if judged.share >= SHARE { "passes" } else { "differs" },
+                    judged.mean,
+                    judged.expected,
+                    100.0 * judged.share,
+                    judged.notices
+                );
+            }
+            Err(error) => println!("| {label} | not loaded | | | | {error} |"),
+        }
+    }
+    println!("\n{} tests: {loaded} loaded, {passed} pass.", tests.len());
+    Ok(())
+}
+
+/// The scene files of all tests, by name.
+fn tests(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
+    let mut found = Vec::new();
+    for group in std::fs::read_dir(folder)? {
+        let group = group?.path();
+        if !group.is_dir() {
+            continue;
+        }
+        for file in std::fs::read_dir(group)? {
+            let file = file?.path();
+            if file.extension().is_some_and(|extension| extension == "xml") {
+                found.push(file);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+struct Judged {
+    /// The share of values that pass.
+    share: f64,
+    mean: f64,
+    expected: f64,
+    notices: String,
+}
+
+fn run(test: &Path, name: &str, passes: u32) -> Result<Judged, Box<dyn Error>> {
+    let stem = test.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = stem.rsplit_once('_').map_or(stem.as_str(), |(stem, _)| stem);
+    let picture = |suffix: &str| {
+        let file = test.parent().unwrap_or(Path::new("")).join("refs").join(format!("{stem}_ref_rgb{suffix}.exr"));
+        read_exr(&file)
+    };
+    let (reference, variance) = (picture("")?, picture("_var")?);
+    let scene = Arc::new(Scene::prepare(&load_file(test, &[])?)?);
+    let integrator = scene.integrator.as_ref().map(|integrator| without_passed_over(integrator).0);
+    let choice = choice(name, &serde_json::Map::new(), integrator.as_ref());
+    let mut run = Run::start(&scene, &method::check(&choice, scene.pixel_count() as u64)?, 1)?;
+    while run.passes() < passes {
+        run.pass()?;
+    }
+    let found = run.picture();
+    let share = match name {
+        "path" => share_of_pixels(&found, &reference, &variance, passes),
+        _ => share_of_blocks(&found, &reference, &variance, passes),
+    };
+    let mean = |picture: &Picture| {
+        let values = picture.radiance.iter().flatten().map(|value| f64::from(*value));
+        values.sum::<f64>() / (3 * picture.radiance.len()) as f64
+    };
+    let notices = scene.notices.iter().filter(|notice| !notice.contains("\"moment\"")).cloned();
+    let notices = notices.collect::<Vec<_>>().join("; ");
+    Ok(Judged { share, mean: mean(&found), expected: mean(&reference), notices })
+}
+
+/// The largest |z| that passes.
+fn largest_z(tests: usize) -> f64 {
+    let tail = 0.5 * (1.0 - (1.0 - SIGNIFICANCE).powf(1.0 / tests as f64));
+    // The upper tail of the normal distribution falls with z.
+    let (mut low, mut high) = (0.0, 20.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if 0.5 * libm::erfc(middle / std::f64::consts::SQRT_2) > tail { low = middle } else { high = middle }
+    }
+    low
+}
+
+fn share_of_pixels(found: &Picture, reference: &Picture, variance: &Picture, passes: u32) -> f64 {
+    let most = largest_z(found.radiance.len());
+    let values = found.radiance.iter().zip(&reference.radiance).zip(&variance.radiance);
+    let passing = values.flat_map(|((found, reference), variance)| {
+        (0..3).map(move |channel| {
+            let variance = f64::from(variance[channel]).max(LEAST_VARIANCE);
+            let difference = f64::from(found[channel]) - f64::from(reference[channel]);
+            (difference * (f64::from(passes) / variance).sqrt()).abs() <= most
+        })
+    });
+    passing.filter(|passes| *passes).count() as f64 / (3 * found.radiance.len()) as f64
+}
+
+/// Blocks whose mean differs by no more than 3 % of it and what noise explains.
+fn share_of_blocks(found: &Picture, reference: &Picture, variance: &Picture, passes: u32) -> f64 {
+    let (width, height) = (found.width as usize, found.height as usize);
+    let (mut all, mut passing) = (0, 0);
+    for top in (0..height).step_by(BLOCK) {
+        for left in (0..width).step_by(BLOCK) {
+            let (mut one, mut other, mut noise, mut count) = (0.0, 0.0, 0.0, 0.0);
+            for row in top..(top + BLOCK).min(height) {
+                for column in left..(left + BLOCK).min(width) {
+                    let pixel = row * width + column;
+                    for channel in 0..3 {
+                        one += f64::from(found.radiance[pixel][channel]);
+                        other += f64::from(reference.radiance[pixel][channel]);
+                        noise += f64::from(variance.radiance[pixel][channel]).max(LEAST_VARIANCE);
+                        count += 1.0;
+                    }
+                }
+            }
+            let noise = (noise / f64::from(passes)).sqrt() / count;
+            let difference = (one - other).abs() / count;
+            all += 1;
+            passing += u32::from(difference <= 0.03 * other / count + 4.0 * noise);
+        }
+    }
+    f64::from(passing) / f64::from(all)
+}

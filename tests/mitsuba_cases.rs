@@ -1,0 +1,302 @@
+//! Scenes as Mitsuba 3 shows them: small scenes with its own pictures (`tests/cases`), and the defaults of its plugins.
+//!
+//! `ref.npy` is Mitsuba 3.9.1, `scalar_rgb`, 1024 samples by the scene's own integrator.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use photonfarm::evaluation::Run;
+use photonfarm::import::{load_bytes, load_file};
+use photonfarm::method::{self, METHODS, MethodChoice};
+use photonfarm::scene::Scene;
+
+fn folder(case: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases").join(case)
+}
+
+fn scene(case: &str) -> Arc<Scene> {
+    let description = load_file(&folder(case).join("scene.xml"), &[]).expect("the case loads");
+    Arc::new(Scene::prepare(&description).expect("the case is good"))
+}
+
+/// A picture of float32 numbers, H × W × 3.
+fn reference(case: &str) -> Vec<[f64; 3]> {
+    let bytes = std::fs::read(folder(case).join("ref.npy")).expect("the case has its picture");
+    let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let numbers: Vec<f64> = bytes[header..]
+        .chunks_exact(4)
+        .map(|number| f64::from(f32::from_le_bytes([number[0], number[1], number[2], number[3]])))
+        .collect();
+    numbers.chunks_exact(3).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+}
+
+fn render(scene: &Arc<Scene>, name: &str, passes: u32) -> Vec<[f64; 3]> {
+    let mut parameters = serde_json::Map::new();
+    let known = method::entry(name).expect("in the table").parameters;
+    if known.iter().any(|parameter| parameter.name == "photons_per_pass") {
+        parameters.insert("photons_per_pass".to_owned(), 8192.into());
+    }
+    let choice = MethodChoice { name: name.to_owned(), parameters };
+    let checked = method::check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
+    let mut run = Run::start(scene, &checked, 7).expect("the method can be prepared");
+    while run.passes() < passes {
+        run.pass().expect("a pass is traced");
+    }
+    run.picture().radiance.iter().map(|pixel| pixel.map(f64::from)).collect()
+}
+
+fn mean(picture: &[[f64; 3]]) -> f64 {
+    picture.iter().flatten().sum::<f64>() / (3 * picture.len()) as f64
+}
+
+/// Means of blocks of 16 × 16 pixels of a picture of 64 × 64.
+fn blocks(picture: &[[f64; 3]]) -> Vec<f64> {
+    let mut sums = vec![0.0; 16];
+    for (index, pixel) in picture.iter().enumerate() {
+        let (column, row) = (index % 64, index / 64);
+        sums[row / 16 * 4 + column / 16] += pixel.iter().sum::<f64>() / (3.0 * 256.0);
+    }
+    sums
+}
+
+#[test]
+fn mitsuba_pictures_agree() {
+    for (case, passes) in [
+        ("default-filter", 32),
+        ("hide-emitters", 32),
+        ("orthographic", 32),
+        ("principal-point", 32),
+        ("mask-rgb", 32),
+        ("normal-map-matte", 32),
+        ("bump-steep-mesh", 128),
+        ("bump-steep-sphere", 128),
+    ] {
+        let (found, expected) = (render(&scene(case), "path", passes), reference(case));
+        let bias = mean(&found) / mean(&expected) - 1.0;
+        assert!(bias.abs() < 0.01, "{case}: the mean is {:+.2} % off", 100.0 * bias);
+        let floor = 0.1 * mean(&expected);
+        for (block, (one, other)) in blocks(&found).into_iter().zip(blocks(&expected)).enumerate() {
+            let off = (one - other) / other.max(floor);
+            assert!(off.abs() < 0.05, "{case}: block {block} is {:+.1} % off", 100.0 * off);
+        }
+    }
+}
+
+#[test]
+fn mitsuba_cameras_and_hidden_lights_are_the_same_in_every_method() {
+    for case in ["hide-emitters", "orthographic", "principal-point"] {
+        let scene = Arc::new(scene(case).with_pixels(1024));
+        let expected = mean(&reference(case));
+        for method in METHODS {
+            let bias = mean(&render(&scene, method.name, 16)) / expected - 1.0;
+            let bound = if method.name == "light_tracing" { 0.05 } else { 0.03 };
+            assert!(bias.abs() < bound, "{case}: {} is {:+.2} % off", method.name, 100.0 * bias);
+        }
+    }
+}
+
+#[test]
+fn mitsuba_shows_a_sky_without_shapes() {
+    let scene = scene("sky-without-shapes");
+    for method in METHODS {
+        let picture = render(&scene, method.name, 2);
+        let expected = [0.7_f32, 0.5, 0.3].map(f64::from);
+        assert!(picture.iter().all(|pixel| *pixel == expected), "{}: {:?}", method.name, picture[0]);
+    }
+}
+
+/// Plugins of Mitsuba 3.9.1 with what its own objects print where nothing is given: place, plugin, what it must hold, defaults.
+const DEFAULTS: &[(&str, &str, &str, &str)] = &[
+    ("bsdf", "diffuse", "", "<rgb name='reflectance' value='0.5'/>"),
+    ("bsdf", "dielectric", "", "<float name='int_ior' value='1.5046'/><float name='ext_ior' value='1.000277'/>"),
+    ("bsdf", "thindielectric", "", "<float name='int_ior' value='1.5046'/><float name='ext_ior' value='1.000277'/>"),
+    (
+        "bsdf",
+        "roughdielectric",
+        "",
+        "<float name='alpha' value='0.1'/><string name='distribution' value='beckmann'/>\
+         <float name='int_ior' value='1.5046'/><float name='ext_ior' value='1.000277'/>",
+    ),
+    ("bsdf", "conductor", "", "<string name='material' value='none'/>"),
+    (
+        "bsdf",
+        "roughconductor",
+        "",
+        "<string name='material' value='none'/><float name='alpha' value='0.1'/>\
+         <string name='distribution' value='beckmann'/><rgb name='specular_reflectance' value='1'/>",
+    ),
+    (
+        "bsdf",
+        "plastic",
+        "",
+        "<float name='int_ior' value='1.49'/><float name='ext_ior' value='1.000277'/><boolean name='nonlinear' value='false'/>\
+         <rgb name='diffuse_reflectance' value='0.5'/><rgb name='specular_reflectance' value='1'/>",
+    ),
+    (
+        "bsdf",
+        "roughplastic",
+        "",
+        "<float name='int_ior' value='1.49'/><float name='ext_ior' value='1.000277'/><boolean name='nonlinear' value='false'/>\
+         <rgb name='diffuse_reflectance' value='0.5'/><float name='alpha' value='0.1'/><string name='distribution' value='beckmann'/>",
+    ),
+    (
+        "bsdf",
+        "principled",
+        "",
+        "<rgb name='base_color' value='0.5'/><float name='roughness' value='0.5'/><float name='specular' value='0.5'/>\
+         <float name='metallic' value='0'/><float name='spec_trans' value='0'/><float name='clearcoat' value='0'/>\
+         <float name='clearcoat_gloss' value='0'/><float name='sheen' value='0'/><float name='sheen_tint' value='0'/>\
+         <float name='spec_tint' value='0'/><float name='flatness' value='0'/><float name='anisotropic' value='0'/>",
+    ),
+    ("bsdf", "mask", "<bsdf type='diffuse'/>", "<float name='opacity' value='0.5'/>"),
+    (
+        "bsdf",
+        "bumpmap",
+        "<bsdf type='diffuse'/><texture type='checkerboard'/>",
+        "<float name='scale' value='1'/><boolean name='flip_invalid_normals' value='true'/>\
+         <boolean name='use_shadowing_function' value='true'/>",
+    ),
+    (
+        "bsdf",
+        "normalmap",
+        "<bsdf type='diffuse'/><texture name='normalmap' type='checkerboard'/>",
+        "<boolean name='flip_invalid_normals' value='true'/><boolean name='use_shadowing_function' value='true'/>",
+    ),
+    ("emitter", "point", "", "<point name='position' x='0'/><rgb name='intensity' value='1'/>"),
+    (
+        "emitter",
+        "spot",
+        "",
+        "<rgb name='intensity' value='1'/><float name='cutoff_angle' value='20'/><float name='beam_width' value='15'/>",
+    ),
+    ("emitter", "constant", "", "<rgb name='radiance' value='1'/>"),
+    ("emitter", "directional", "", "<rgb name='irradiance' value='1'/><vector name='direction' x='0' y='0' z='1'/>"),
+    (
+        "emitter",
+        "projector",
+        "",
+        "<rgb name='irradiance' value='1'/><float name='scale' value='1'/><string name='focal_length' value='50mm'/>",
+    ),
+    ("shape", "sphere", "", "<point name='center' x='0'/><float name='radius' value='1'/>"),
+    (
+        "shape",
+        "cylinder",
+        "",
+        "<point name='p0' x='0'/><point name='p1' z='1'/><float name='radius' value='1'/><boolean name='flip_normals' value='false'/>",
+    ),
+    ("shape", "disk", "", "<boolean name='flip_normals' value='false'/>"),
+    ("shape", "rectangle", "", "<bsdf type='twosided'><bsdf type='diffuse'/></bsdf>"),
+    ("shape", "sphere", "<emitter type='area'/>", "<emitter type='area'><rgb name='radiance' value='1'/></emitter>"),
+    (
+        "sensor",
+        "perspective",
+        "",
+        "<string name='focal_length' value='50mm'/><float name='near_clip' value='0.01'/><float name='far_clip' value='10000'/>\
+         <float name='principal_point_offset_x' value='0'/><float name='principal_point_offset_y' value='0'/>",
+    ),
+    (
+        "sensor",
+        "thinlens",
+        "<float name='aperture_radius' value='0.1'/>",
+        "<string name='focal_length' value='50mm'/><float name='focus_distance' value='10000'/>",
+    ),
+    ("sensor", "orthographic", "", "<float name='near_clip' value='0.01'/><float name='far_clip' value='10000'/>"),
+    (
+        "film",
+        "hdrfilm",
+        "",
+        "<integer name='width' value='768'/><integer name='height' value='576'/>\
+         <rfilter type='gaussian'><float name='stddev' value='0.5'/></rfilter>",
+    ),
+    ("rfilter", "tent", "", "<float name='radius' value='1'/>"),
+    ("rfilter", "gaussian", "", "<float name='stddev' value='0.5'/>"),
+    ("rfilter", "lanczos", "", "<integer name='lobes' value='3'/>"),
+    (
+        "rfilter",
+        "mitchell",
+        "",
+        "<float name='A' value='0.3333333333333333'/><float name='B' value='0.3333333333333333'/>",
+    ),
+];
+
+/// Everything of a scene with one plugin that its parameters decide.
+fn outcome(place: &str, plugin: &str, inside: &str) -> String {
+    let node = format!("<{place} type='{plugin}'>{inside}</{place}>");
+    let (mut shape, mut light, mut sensor) =
+        ("<shape type='rectangle'/>".to_owned(), "<emitter type='constant'/>".to_owned(), String::new());
+    match place {
+        "bsdf" => shape = format!("<shape type='rectangle'>{node}</shape>"),
+        "shape" => shape = node,
+        "emitter" => light = node,
+        "sensor" => sensor = node,
+        "film" => sensor = format!("<sensor type='perspective'>{node}</sensor>"),
+        _ => sensor = format!("<sensor type='perspective'><film type='hdrfilm'>{node}</film></sensor>"),
+    }
+    if sensor.is_empty() {
+        sensor = "<sensor type='perspective'/>".to_owned();
+    }
+    let text = format!("<scene version='3.0.0'>{sensor}{shape}{light}</scene>");
+    let description = load_bytes("a.xml", text.as_bytes(), &[]).expect("the scene loads");
+    let scene = Scene::prepare(&description).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let primitives: Vec<_> =
+        (0..scene.geometry.primitive_count()).map(|index| scene.geometry.primitive(index as u32)).collect();
+    format!("{:?} {:?} {:?} {:?} {primitives:?}", scene.materials, scene.lights.lights(), scene.camera, scene.film)
+}
+
+#[test]
+fn mitsuba_defaults_are_ours() {
+    for (place, plugin, needed, defaults) in DEFAULTS {
+        // What is written out takes the place of what must be there.
+        let written = match defaults.starts_with("<emitter") {
+            true => (*defaults).to_owned(),
+            false => format!("{needed}{defaults}"),
+        };
+        let (plain, written) = (outcome(place, plugin, needed), outcome(place, plugin, &written));
+        assert_eq!(plain, written, "{place} \"{plugin}\"");
+    }
+    let board = "<texture name='reflectance' type='checkerboard'>";
+    let explicit = format!("{board}<rgb name='color0' value='0.4'/><rgb name='color1' value='0.2'/></texture>");
+    assert_eq!(outcome("bsdf", "diffuse", &format!("{board}</texture>")), outcome("bsdf", "diffuse", &explicit));
+}
+
+/// A cube of a medium in an even sky, seen by parallel rays through its middle.
+fn cube_of_medium(medium: &str) -> Arc<Scene> {
+    let film = "<film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/><rfilter type='box'/></film>";
+    let place = "<transform name='to_world'><scale x='0.5' y='0.5'/><lookat origin='0,0,5' target='0,0,0' up='0,1,0'/></transform>";
+    let text = format!(
+        "<scene version='3.0.0'><integrator type='volpath'/><sensor type='orthographic'>{place}{film}</sensor><emitter type='constant'/>\
+         <medium type='homogeneous' id='m'>{medium}</medium>\
+         <shape type='cube'><bsdf type='null'/><ref name='interior' id='m'/></shape></scene>"
+    );
+    let description = load_bytes("a.xml", text.as_bytes(), &[]).expect("the scene loads");
+    Arc::new(Scene::prepare(&description).expect("the scene is good"))
+}
+
+#[test]
+fn analytic_media_absorb_and_keep_what_they_scatter() {
+    let absorbs = cube_of_medium("<rgb name='sigma_t' value='0.5, 1, 2'/><rgb name='albedo' value='0'/>");
+    let picture = render(&absorbs, "path", 512);
+    for (channel, extinction) in [0.5, 1.0, 2.0].into_iter().enumerate() {
+        let found = picture.iter().map(|pixel| pixel[channel]).sum::<f64>() / picture.len() as f64;
+        let expected = f64::exp(-2.0 * extinction);
+        assert!((found - expected).abs() < 0.01, "{found} is not {expected}");
+    }
+    for phase in ["isotropic", "hg", "rayleigh"] {
+        let furnace = format!("<rgb name='sigma_t' value='2'/><rgb name='albedo' value='1'/><phase type='{phase}'/>");
+        let found = mean(&render(&cube_of_medium(&furnace), "path", 128));
+        assert!((found - 1.0).abs() < 0.02, "{phase}: {found} is not 1");
+    }
+}
+
+#[test]
+fn media_are_refused_by_methods_that_do_not_render_them() {
+    let scene = cube_of_medium("");
+    for entry in METHODS {
+        let choice = MethodChoice { name: entry.name.to_owned(), parameters: serde_json::Map::new() };
+        let checked = method::check(&choice, 64).expect("the parameters are good");
+        let prepared = method::prepare(scene.clone(), &checked, 1);
+        let error = prepared.err().map(|error| error.to_string()).unwrap_or_default();
+        assert_eq!(error.is_empty(), entry.name == "path", "{}: {error}", entry.name);
+        assert!(error.is_empty() || error.contains("participating media"), "{error}");
+    }
+}
