@@ -95,6 +95,31 @@ fn mitsuba_cameras_and_hidden_lights_are_the_same_in_every_method() {
     }
 }
 
+/// Mitsuba 3.9.1 gives 1 1 0 0 in the upper rows of this mask, although `color0` lies at the corner (0, 0): its checkerboards swap what they are
+/// asked for as numbers.
+#[test]
+fn mitsuba_checkerboards_swap_their_numbers() {
+    for (swaps, upper) in
+        [("", [1.0, 1.0, 0.0, 0.0]), ("<boolean name='swaps_numbers' value='false'/>", [0.0, 0.0, 1.0, 1.0])]
+    {
+        let text = format!(
+            "<scene version='3.0.0'><sensor type='orthographic'>
+                <transform name='to_world'><lookat origin='0,0,3' target='0,0,0' up='0,1,0'/></transform>
+                <film type='hdrfilm'><integer name='width' value='4'/><integer name='height' value='4'/><rfilter type='box'/></film>
+            </sensor><emitter type='constant'/>
+            <shape type='rectangle'><bsdf type='mask'>
+                <texture name='opacity' type='checkerboard'><float name='color0' value='0'/><float name='color1' value='1'/>{swaps}</texture>
+                <bsdf type='diffuse'><rgb name='reflectance' value='0'/></bsdf>
+            </bsdf></shape></scene>"
+        );
+        let description = load_bytes("mask.xml", text.as_bytes(), &[]).expect("the scene loads");
+        let picture = render(&Arc::new(Scene::prepare(&description).expect("a good scene")), "path", 2);
+        let found: Vec<f64> = picture.iter().map(|pixel| pixel[0]).collect();
+        let lower = upper.map(|value| 1.0 - value);
+        assert_eq!(found, [upper, upper, lower, lower].concat(), "{swaps}");
+    }
+}
+
 #[test]
 fn mitsuba_shows_a_sky_without_shapes() {
     let scene = scene("sky-without-shapes");

@@ -72,7 +72,7 @@ impl Draft {
 /// Defaults of Mitsuba 3 that other formats do not share.
 impl Draft {
     /// Writes out what other formats mean where Mitsuba 3 has a default of its own: films without a filter have a box, which is
-    /// the pixel's own square, and normals are turned without corrections.
+    /// the pixel's own square, normals are turned without corrections, and checkerboards give numbers as they give colors.
     pub(super) fn state_plain_defaults(&mut self) {
         let has = |draft: &Draft, class| {
             draft.children.iter().any(|child| matches!(&child.target, Target::Plugin(plugin) if plugin.class == class))
@@ -80,6 +80,10 @@ impl Draft {
         let lacking = match self.class {
             PluginClass::Sensor => Some((PluginClass::Film, "hdrfilm")),
             PluginClass::Film => Some((PluginClass::ReconstructionFilter, "box")),
+            PluginClass::Texture if self.plugin == "checkerboard" => {
+                self.state_plain_numbers();
+                None
+            }
             PluginClass::Bsdf if ["bumpmap", "normalmap"].contains(&self.plugin.as_str()) => {
                 self.state_plain_normals();
                 None
@@ -95,6 +99,12 @@ impl Draft {
                 plugin.state_plain_defaults();
             }
         }
+    }
+
+    /// Writes out that the fields of a checkerboard are where they are seen also where a number is asked for.
+    pub(super) fn state_plain_numbers(&mut self) {
+        let (value, location) = (Value::Boolean(false), self.location.clone());
+        self.parameters.push(Parameter { name: "swaps_numbers".to_owned(), value, location });
     }
 
     /// Writes out that a normal or bump map turns normals without the corrections of Mitsuba 3.6 and later.

@@ -208,7 +208,7 @@ pub(super) const RULES: &[Rule] = &[
     plain(Emitter, "sunsky", SUN),
 
     changed(Texture, ["bitmap", "bitmap"], &["filename"], texture::BITMAP, texture::bitmap),
-    changed(Texture, ["checkerboard", "checkerboard"], &["color0", "color1"], texture::UV, texture::uv),
+    changed(Texture, ["checkerboard", "checkerboard"], &["color0", "color1"], texture::UV, texture::checkerboard),
     changed(Texture, ["curvature", ""], &[], &["scale", "curvature"], texture::grey),
     changed(Texture, ["gridtexture", ""], &[], &["color0", "color1", "lineWidth"], texture::grid),
     plain(Texture, "scale", &["scale", "value"]),

@@ -40,6 +40,12 @@ pub(super) fn uv(mut draft: Draft, _: &mut Translation) -> Result<Outcome, Scene
     Ok(Outcome::Plugin(draft))
 }
 
+/// `checkerboard`: its numbers have the places of its colors.
+pub(super) fn checkerboard(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
+    draft.state_plain_numbers();
+    uv(draft, translation)
+}
+
 /// `bitmap`: the filter, the wrap mode and the gamma have other names and fewer values.
 pub(super) fn bitmap(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
     let place = draft.location.clone();

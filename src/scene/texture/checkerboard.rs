@@ -5,6 +5,7 @@
 //! | `color0` | color, or texture, of the fields at the corners (0, 0) and (1, 1) | 0.4 |
 //! | `color1` | color, or texture, of the others | 0.2 |
 //! | `to_uv` | transform of texture coordinates | identity |
+//! | `swaps_numbers` | whether the two change places where a number is asked for, as in Mitsuba 3 (its `eval_1`, version 3.9.1); not in Mitsuba | true |
 
 use glam::Affine2;
 
@@ -18,6 +19,7 @@ use crate::scene::fields::Fields;
 pub struct Checkerboard {
     colors: [Texture; 2],
     to_uv: Affine2,
+    swaps_numbers: bool,
 }
 
 impl Checkerboard {
@@ -25,23 +27,34 @@ impl Checkerboard {
     pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
         let first = textures.color(fields, "color0")?.unwrap_or(Texture::grey(0.4));
         let second = textures.color(fields, "color1")?.unwrap_or(Texture::grey(0.2));
-        Ok(Self { colors: [first, second], to_uv: to_uv::read(fields)? })
+        let swaps_numbers = fields.boolean("swaps_numbers")?.unwrap_or(true);
+        Ok(Self { colors: [first, second], to_uv: to_uv::read(fields)?, swaps_numbers })
     }
 
-    fn at(&self, uv: Vec2) -> &Texture {
+    /// Whether `uv` lies in a field of the second color.
+    fn is_second(&self, uv: Vec2) -> bool {
         let place = self.to_uv.transform_point2(uv);
         let place = place - place.floor();
-        &self.colors[usize::from((place.x > 0.5) != (place.y > 0.5))]
+        (place.x > 0.5) != (place.y > 0.5)
     }
 
     /// The color at `uv`.
     pub fn color(&self, uv: Vec2) -> Rgb {
-        self.at(uv).color(uv)
+        self.colors[usize::from(self.is_second(uv))].color(uv)
+    }
+
+    /// The number at `uv`.
+    pub fn number(&self, uv: Vec2) -> f32 {
+        self.of_number(uv).number(uv)
     }
 
     /// That within the field: the steps between fields have none.
     pub fn gradient(&self, uv: Vec2) -> Vec2 {
-        self.at(uv).gradient(uv)
+        self.of_number(uv).gradient(uv)
+    }
+
+    fn of_number(&self, uv: Vec2) -> &Texture {
+        &self.colors[usize::from(self.is_second(uv) != self.swaps_numbers)]
     }
 
     /// Half of each.

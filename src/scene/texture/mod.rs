@@ -93,7 +93,10 @@ impl Texture {
     /// The number at `uv`: the luminance of a color.
     #[inline]
     pub fn number(&self, uv: Vec2) -> f32 {
-        number_of(self.color(uv))
+        match self {
+            Self::Checkerboard(fields) => fields.number(uv),
+            other => number_of(other.color(uv)),
+        }
     }
 
     /// Width and height in texels; of other textures than bitmaps 1 × 1.
