@@ -70,7 +70,7 @@ fn furnaces_have_radiance_one() {
 
 const SENSOR: &str = "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'>\
     <lookat origin='0, 0, 2' target='0, 0, 0' up='0, 1, 0'/></transform><film type='hdrfilm'>\
-    <integer name='width' value='16'/><integer name='height' value='16'/></film></sensor>";
+    <integer name='width' value='16'/><integer name='height' value='16'/><rfilter type='box'/></film></sensor>";
 
 /// A matte floor under a point light: radiance ρ/π·I·cos/d² in closed form, averaged over what the camera sees.
 #[test]

@@ -168,7 +168,7 @@ fn analytic_bounces_in_a_sphere() {
     let scene = prepare(
         "<sensor type='perspective'><float name='fov' value='80'/><transform name='to_world'>\
         <lookat origin='0, 0, 0.5' target='0, 0.2, -1' up='0, 1, 0'/></transform><film type='hdrfilm'>\
-        <integer name='width' value='32'/><integer name='height' value='32'/></film></sensor>\
+        <integer name='width' value='32'/><integer name='height' value='32'/><rfilter type='box'/></film></sensor>\
         <shape type='sphere'><float name='radius' value='2'/><boolean name='flip_normals' value='true'/>\
         <bsdf type='diffuse'><rgb name='reflectance' value='0.6, 0.6, 0.6'/></bsdf></shape>\
         <emitter type='point'><rgb name='intensity' value='5, 5, 5'/></emitter>",

@@ -122,7 +122,7 @@ fn agreement_of_direct_light_by_photons_and_by_sampling() {
 fn analytic_one_segment_shows_emission_only() {
     let sensor = "<sensor type='perspective'><float name='fov' value='90'/><transform name='to_world'>\
         <lookat origin='0, 0, 4' target='0, 0, 0' up='0, 1, 0'/></transform><film type='hdrfilm'>\
-        <integer name='width' value='16'/><integer name='height' value='16'/></film></sensor>";
+        <integer name='width' value='16'/><integer name='height' value='16'/><rfilter type='box'/></film></sensor>";
     // A lamp that fills the middle half of the picture, and a wall behind it.
     let body = "<shape type='rectangle'><emitter type='area'><rgb name='radiance' value='3, 2, 1'/></emitter></shape>\
         <shape type='rectangle'><transform name='to_world'><scale value='9'/><translate z='-1'/></transform></shape>";

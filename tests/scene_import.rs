@@ -285,6 +285,26 @@ fn heights(description: &photonfarm::scene::description::SceneDescription) -> Ve
     (0..4).map(|index| scene.geometry.primitive(index).bounds().0.z).collect()
 }
 
+/// A scene from elsewhere must not carry off keys and settings of whoever sends it.
+#[test]
+fn hidden_files_above_a_scene_are_not_packed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (place, text) in [
+        (".keys/mesh.ply", "secret"),
+        (
+            "downloads/scene.xml",
+            "<scene version='3.0.0'><shape type='ply'>\
+        <string name='filename' value='../.keys/mesh.ply'/></shape></scene>",
+        ),
+    ] {
+        let path = folder.path().join(place);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        std::fs::write(path, text).expect("written");
+    }
+    let refused = pack(&folder.path().join("downloads/scene.xml"), &[]).expect_err("it is refused").to_string();
+    assert!(refused.contains("hidden"), "{refused}");
+}
+
 #[test]
 fn search_folders_and_files_above_the_scene_work_here_and_in_the_archive() {
     let folder = scattered();

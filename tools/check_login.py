@@ -145,6 +145,10 @@ def check_known_users(coordinator):
     status, _, page = stranger.log_in(coordinator.address, "mallory")
     expect("who is not known is refused", status == 403 and "unknown-account" in page, (status, page))
     expect("and is nobody afterwards", stranger.me(coordinator.address)[0] == 401, stranger.me(coordinator.address))
+    coordinator.post("/v1/users", '{"name": "karl", "role": "artist"}')
+    for name, why in (("operator", "who is called as the admin of --admin-token-file"), ("\u212aarl", "who is called nearly as somebody else")):
+        status, _, page = Browser().log_in(coordinator.address, name)
+        expect(f"{why} is refused", status == 403 and "unknown-account" in page, (status, page))
     return ben
 
 

@@ -177,7 +177,7 @@ pub async fn submit_job(
     preferences: Preferences,
     JsonBody(mut submission): JsonBody<JobSubmission>,
 ) -> Result<Response, Problem> {
-    let (hash, bytes) = scene_of(&state, &mut submission).await?;
+    let (hash, bytes) = scene_of(&state, &caller, &mut submission).await?;
     let scene = match bytes {
         Some(bytes) => state.coordinator.add_scene_of(bytes, &caller).await?.hash,
         None => hash,
@@ -219,16 +219,21 @@ pub struct Validation {
 )]
 pub async fn validate_job(
     State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
     JsonBody(mut submission): JsonBody<JobSubmission>,
 ) -> Result<Json<Validation>, Problem> {
-    let (hash, bytes) = scene_of(&state, &mut submission).await?;
+    let (hash, bytes) = scene_of(&state, &caller, &mut submission).await?;
     let checked = state.coordinator.validate(submission.request(hash), bytes).await.map_err(submission_problem)?;
     let JobStatus { scene, method, parameters, stop, width, height, notices, .. } = checked;
     Ok(Json(Validation { scene, method, parameters, stop, width, height, notices }))
 }
 
 /// The hash of a job's scene that is there, or the bytes of one that is not yet, with the changes that the job asks for.
-async fn scene_of(state: &ApiState, submission: &mut JobSubmission) -> Result<(String, Option<Vec<u8>>), Problem> {
+async fn scene_of(
+    state: &ApiState,
+    caller: &Caller,
+    submission: &mut JobSubmission,
+) -> Result<(String, Option<Vec<u8>>), Problem> {
     let (hash, bytes) = match (submission.scene.take(), submission.scene_inline.take()) {
         (Some(hash), None) => (hash, None),
         (None, Some(scene)) => (String::new(), Some(inline_scene_bytes(scene)?)),
@@ -239,7 +244,7 @@ async fn scene_of(state: &ApiState, submission: &mut JobSubmission) -> Result<(S
         Some(bytes) => bytes.into(),
         None => state.coordinator.scene_bytes(&hash).await.map_err(submission_problem)?,
     };
-    Ok((String::new(), Some(state.coordinator.changed(bytes, changes).await?)))
+    Ok((String::new(), Some(state.coordinator.changed(bytes, changes, caller).await?)))
 }
 
 /// A job has exactly one scene.

@@ -53,6 +53,7 @@ pub async fn ways_to_log_in(State(state): State<ApiState>) -> Json<WaysToLogIn> 
     responses(
         (status = 303, description = "To the provider", headers(("Location" = String), ("Set-Cookie" = String))),
         (status = 404, description = "There is no provider", body = Problem, content_type = "application/problem+json"),
+        (status = 429, description = "Too many log in", body = Problem, content_type = "application/problem+json"),
         (status = 502, description = "The provider does not answer", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -71,6 +72,7 @@ pub async fn leave_for_provider(State(state): State<ApiState>) -> Result<Respons
         (status = 403, description = "Not let in", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "There is no provider", body = Problem, content_type = "application/problem+json"),
         (status = 409, description = "The user has too many tokens", body = Problem, content_type = "application/problem+json"),
+        (status = 429, description = "Too many log in", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Nobody needs to log in", body = Problem, content_type = "application/problem+json"),
         (status = 502, description = "The provider does not answer", body = Problem, content_type = "application/problem+json"),
     )
@@ -114,6 +116,7 @@ impl From<LoginError> for Problem {
             LoginError::BadAddress { .. } | LoginError::Provider(_) => {
                 (StatusCode::BAD_GATEWAY, "provider-fails", "try again, or log in with a token")
             }
+            LoginError::Busy => (StatusCode::TOO_MANY_REQUESTS, "busy", "try again in a few seconds"),
             LoginError::NotBegun | LoginError::Refused(_) => {
                 (StatusCode::FORBIDDEN, "login-refused", "begin again at the coordinator's page")
             }
@@ -121,6 +124,7 @@ impl From<LoginError> for Problem {
                 (StatusCode::FORBIDDEN, "login-refused", "ask an admin of the farm which accounts are known here")
             }
         };
+        tracing::info!(problem = %error, "a login by the provider is refused");
         Self::new(status, slug, error.to_string()).remedy(remedy)
     }
 }

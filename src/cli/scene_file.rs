@@ -8,8 +8,10 @@ use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipArchive, ZipWriter};
 
 use super::exit_code::CliError;
+use super::terminal;
 use crate::import;
 use crate::import::changes::{Changes, with_changes};
+use crate::scene::bundle::scene_in_comment;
 
 /// A define of the command line: name and value.
 type Define = (String, String);
@@ -30,6 +32,7 @@ fn pack_defined(path: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
     check_readable(path)?;
     // Packing checks the defines as well: each must be used, and JSON scenes take none.
     let bytes = import::pack(path, defines)?;
+    tell_of_files_above(&bytes);
     if defines.is_empty() {
         return Ok(bytes);
     }
@@ -39,6 +42,18 @@ fn pack_defined(path: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
         return define_in_archive(bytes, defines).map_err(|error| cannot_define(error.to_string()));
     }
     define_in_xml(&bytes, defines).map_err(|error| cannot_define(error.to_string()))
+}
+
+/// Whoever sends a scene that came from elsewhere sees what else it takes along.
+fn tell_of_files_above(bytes: &[u8]) {
+    let Some(scene) = scene_in_comment(bytes) else { return };
+    let folder = scene.rsplit_once('/').map_or(String::new(), |(folder, _)| format!("{folder}/"));
+    let Ok(archive) = ZipArchive::new(Cursor::new(bytes)) else { return };
+    let names: Vec<String> = archive.file_names().filter_map(|name| name.ok().map(String::from)).collect();
+    let above: Vec<&str> = names.iter().map(String::as_str).filter(|name| !name.starts_with(&folder)).collect();
+    if !above.is_empty() {
+        terminal::note(&format!("the scene takes along files from above its folder: {}", above.join(", ")));
+    }
 }
 
 /// Defines become the first `<default>`s of the scene, which count before its own. They share the line of what follows,

@@ -8,7 +8,8 @@ use utoipa::ToSchema;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Cut {
-    /// Passes of a full-grown shard, 1 to 1024; by default as many as cost one core about a second. More of them send fewer tallies.
+    /// Passes of a full-grown shard, 1 to 1024; by default as many as cost one core about a second, and never more than cost it ten minutes. More
+    /// of them send fewer tallies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub passes_per_shard: Option<u32>,
     /// Shards of a region between two refreshes of the radii, an even number from 2 to 4096; 16 by default. More of them let more workers

@@ -68,6 +68,12 @@ fn from_above(
     if folders.len() < above {
         return Err(SceneError::new(location, "a file name leads above all folders", "give fewer \"..\""));
     }
+    let is_hidden = |name: &&String| steps_up(name).1.split('/').any(|part| part.starts_with('.'));
+    if let Some(name) = files.keys().filter(|name| steps_up(name).0 > 0).find(is_hidden) {
+        // A scene from elsewhere must not carry off keys and settings.
+        let problem = format!("the scene names \"{name}\", a hidden file above its folder");
+        return Err(SceneError::new(location, problem, "copy it beside the scene, if it belongs to it"));
+    }
     let renamed = files.into_iter().map(|(name, content)| (normalized(&folders, &name), content));
     let mut renamed: Files = renamed.collect();
     let mut scene = normalized(&folders, &source.name);

@@ -3,6 +3,7 @@
 mod checks;
 mod instancing;
 mod lights;
+mod media;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ use super::integrator::{self, Integrator};
 use super::light::area::Emission;
 use super::light::{LightTable, Place};
 use super::material::{self, Lobes, Material};
-use super::medium::{self, Medium, MediumIndex};
+use super::medium::{Medium, MediumIndex};
 use super::notice::Notice;
 use super::texture::TextureReader;
 use crate::math::{Rgb, Vec3};
@@ -50,6 +51,8 @@ pub struct Scene {
     pub turns_normals: bool,
     /// All participating media; shapes hold indices.
     pub media: Arc<[Medium]>,
+    /// The media inside and outside of shapes that separate two; shapes hold indices.
+    pub boundaries: Arc<[[MediumIndex; 2]]>,
     /// The medium that the camera stands in.
     pub camera_medium: MediumIndex,
     /// All lights.
@@ -76,6 +79,7 @@ struct Builder<'a> {
     material_of_node: HashMap<*const Node, Shape>,
     /// Media, and their indices by the address of their node.
     media: Vec<Medium>,
+    boundaries: Vec<[MediumIndex; 2]>,
     medium_of_node: HashMap<*const Node, u16>,
     instancing: Instancing,
     notices: Vec<String>,
@@ -120,7 +124,7 @@ impl Scene {
             fields.children(class);
         }
         fields.finish()?;
-        let Builder { mut textures, shapes, area_lights, seen_only, materials, media, .. } = builder;
+        let Builder { mut textures, shapes, area_lights, seen_only, materials, media, boundaries, .. } = builder;
         let (instancing, mut notices) = (builder.instancing, builder.notices);
         let (integrator, hides_lights) = match asked {
             Some(asked) => {
@@ -151,6 +155,7 @@ impl Scene {
             integrator,
             notices,
             media: media.into(),
+            boundaries: boundaries.into(),
             camera_medium,
         })
     }
@@ -220,7 +225,8 @@ impl Scene {
     /// The medium on the side of `direction` of a surface that was met in `medium`.
     #[inline]
     pub fn medium_beyond(&self, hit: &Interaction, direction: Vec3, medium: MediumIndex) -> MediumIndex {
-        let Some([inside, outside]) = hit.shape.media else { return medium };
+        let Some([inside, outside]) = self.boundaries.get(usize::from(hit.shape.boundary)) else { return medium };
+        let (inside, outside) = (*inside, *outside);
         if direction.dot(hit.geometric_normal) > 0.0 { outside } else { inside }
     }
 
@@ -261,6 +267,7 @@ impl<'a> Builder<'a> {
             materials: Vec::new(),
             material_of_node: HashMap::new(),
             media: Vec::new(),
+            boundaries: Vec::new(),
             medium_of_node: HashMap::new(),
             instancing: Instancing::default(),
             notices: description.notices.iter().map(ToString::to_string).collect(),
@@ -298,7 +305,7 @@ impl<'a> Builder<'a> {
             Some(node) => self.material(node)?,
             None => Shape::new(self.default_material(emitter.is_some())),
         };
-        let shape = Shape { media: self.media_of(&mut fields)?, ..shape };
+        let shape = Shape { boundary: self.boundary_of(&mut fields, &node.location)?, ..shape };
         let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
         self.check_extent(node, &geometry)?;
@@ -327,30 +334,6 @@ impl<'a> Builder<'a> {
                 .push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
         }
         Ok(())
-    }
-
-    /// The index of a medium.
-    fn medium(&mut self, node: &Arc<Node>) -> Result<u16, SceneError> {
-        let address = Arc::as_ptr(node);
-        if let Some(known) = self.medium_of_node.get(&address) {
-            return Ok(*known);
-        }
-        let index = u16::try_from(self.media.len()).map_err(|_| {
-            SceneError::new(&node.location, "the scene has more than 65536 media", "share some of them")
-        })?;
-        self.media.push(medium::read(node)?);
-        self.medium_of_node.insert(address, index);
-        Ok(index)
-    }
-
-    /// The media inside and outside of a shape that separates two.
-    fn media_of(&mut self, fields: &mut Fields<'_>) -> Result<Option<[MediumIndex; 2]>, SceneError> {
-        let nodes = ["interior", "exterior"].map(|name| fields.named_child(PluginClass::Medium, name));
-        if nodes.iter().all(Option::is_none) {
-            return Ok(None);
-        }
-        let mut read = |node: Option<&Arc<Node>>| node.map(|node| self.medium(node)).transpose();
-        Ok(Some([read(nodes[0])?, read(nodes[1])?]))
     }
 
     /// A shape with the material, and what of texture coordinates that needs.

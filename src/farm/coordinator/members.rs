@@ -164,7 +164,11 @@ impl Shared {
 
     /// The user whom the provider of logins calls `name`; added where that is agreed.
     pub(super) async fn user_of_provider(&self, name: &str) -> Result<User, FarmError> {
-        let called = name.to_lowercase();
+        // Letters of other scripts are no letters of a name here: some of them become plain ones when they are made small.
+        let called = name.to_ascii_lowercase();
+        if called == UserName::operator().as_str() {
+            return Err(Denied::UnknownAccount { name: called }.into());
+        }
         let _turn = self.members.take().await?;
         let (known, is_open, count) = {
             let register = lock(&self.register);

@@ -97,9 +97,13 @@ impl CoordinatorHandle {
         &self.shared.options.host_names
     }
 
-    /// Whether its connections are encrypted.
+    /// Whether browsers reach it over encrypted connections, of its own or of a proxy in front of it.
     pub fn is_encrypted(&self) -> bool {
-        self.shared.options.is_encrypted
+        let options = &self.shared.options;
+        let is_public = |provider: &Arc<super::login::provider::Provider>| {
+            provider.options().public_address.starts_with("https://")
+        };
+        options.is_encrypted || options.login.as_ref().is_some_and(is_public)
     }
 
     /// Checks and keeps a scene: XML or JSON that stands alone, or a zip archive. The same bytes again cost nothing.
@@ -141,8 +145,14 @@ impl CoordinatorHandle {
     ///
     /// # Errors
     /// When the bytes are no scene.
-    pub async fn changed(&self, bytes: Bytes, changes: SceneChanges) -> Result<Vec<u8>, FarmError> {
-        blocking(move || Ok(with_changes(&bytes, &changes)?)).await
+    pub async fn changed(&self, bytes: Bytes, changes: SceneChanges, caller: &Caller) -> Result<Vec<u8>, FarmError> {
+        // An archive takes much more memory than its bytes while it is unpacked.
+        let slot = self.shared.upload_slot(caller.name())?;
+        blocking(move || {
+            let _slot = slot;
+            Ok(with_changes(&bytes, &changes)?)
+        })
+        .await
     }
 
     /// Checks a request and queues the job; answers its id. Nothing is traced before the answer.

@@ -50,14 +50,19 @@ impl Shared {
 
     /// Makes place for an upload; at most so many at a time.
     pub(super) async fn begin_upload(self: &Arc<Self>, owner: Option<UserName>) -> Result<SceneUpload, FarmError> {
+        let slot = self.upload_slot(owner.as_ref())?;
+        let upload = self.store.blobs().begin_scene().await?;
+        Ok(SceneUpload { shared: self.clone(), upload, owner, _slot: slot })
+    }
+
+    /// The place of one scene that is taken in for `owner`, until it is dropped.
+    pub(super) fn upload_slot(self: &Arc<Self>, owner: Option<&UserName>) -> Result<UploadSlot, FarmError> {
         let limits = &self.options.limits;
-        let Ok(slot) = self.uploads.clone().try_acquire_owned() else {
+        let Ok(place) = self.uploads.clone().try_acquire_owned() else {
             let problem = format!("{} scenes are being uploaded already", limits.uploads);
             return Err(FarmError::Busy { problem, retry_after: limits.retry_after() });
         };
-        let own = self.take_upload_of(owner.as_ref())?;
-        let upload = self.store.blobs().begin_scene().await?;
-        Ok(SceneUpload { shared: self.clone(), upload, owner, _slot: slot, _own: own })
+        Ok(UploadSlot { _place: place, _own: self.take_upload_of(owner)? })
     }
 
     /// Uploads a scene whose bytes are all there.
@@ -203,13 +208,18 @@ impl Shared {
     }
 }
 
+/// The place of one scene that is taken in.
+pub(super) struct UploadSlot {
+    _place: OwnedSemaphorePermit,
+    _own: Option<OwnUpload>,
+}
+
 /// A scene on its way: written to the store and hashed as it comes.
 pub struct SceneUpload {
     shared: Arc<Shared>,
     upload: Upload,
     owner: Option<UserName>,
-    _slot: OwnedSemaphorePermit,
-    _own: Option<OwnUpload>,
+    _slot: UploadSlot,
 }
 
 impl SceneUpload {

@@ -18,6 +18,8 @@ use crate::farm::text::is_hidden;
 const DAY: i64 = 86_400_000;
 /// What tokens are for that pages got by a login at the provider.
 const PROVIDER_LABEL: &str = "page, by the provider";
+/// Pages on which a user is logged in by the provider at the same time; the oldest login ends with one more.
+const LOGINS: usize = 10;
 
 /// A token to be made.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -187,9 +189,27 @@ impl Shared {
     }
 
     async fn token_for_page(&self, user: User, days: u16) -> Result<NewToken, FarmError> {
+        self.end_oldest_logins(&user).await?;
         let expires = Some(self.clock.unix_milliseconds() + i64::from(days) * DAY);
         let (scope, label) = (user.role.scope(), PROVIDER_LABEL.to_owned());
         self.store_token(Wanted { user: Some(user.name), label, scope, expires }, None).await
+    }
+
+    /// Makes room for one more login of a user at the provider: nobody is kept out by having come too often.
+    async fn end_oldest_logins(&self, user: &User) -> Result<(), FarmError> {
+        let _turn = self.members.take().await?;
+        let mut logins: Vec<(i64, SecretHash)> = lock(&self.register)
+            .tokens()
+            .filter(|token| token.user.as_ref() == Some(&user.name) && token.label == PROVIDER_LABEL)
+            .map(|token| (token.created, token.hash))
+            .collect();
+        logins.sort_by_key(|(created, _)| *created);
+        let superfluous = (logins.len() + 1).saturating_sub(LOGINS);
+        for (_, hash) in logins.into_iter().take(superfluous) {
+            self.store.delete_token(&hash).await?;
+            lock(&self.register).remove_token(&hash);
+        }
+        Ok(())
     }
 
     async fn log_out(&self, caller: &Caller) -> Result<(), FarmError> {

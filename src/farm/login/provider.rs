@@ -1,6 +1,7 @@
 //! The two steps of logging in: send a browser to the provider, and read what it brings back.
 
 use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
 use openidconnect::core::{
     CoreAuthenticationFlow, CoreClient, CoreIdTokenClaims, CoreProviderMetadata, CoreUserInfoClaims,
@@ -11,10 +12,17 @@ use openidconnect::{
     SubjectIdentifier, TokenResponse,
 };
 
+use tokio::sync::Semaphore;
+
 use super::options::{NameClaim, ProviderOptions};
 use super::pending::PendingLogins;
 use super::requests::{Requests, in_full};
 use crate::farm::locks::lock;
+
+/// For how long what the provider says of itself is believed without asking again, when a login begins.
+const KEPT: Duration = Duration::from_secs(60);
+/// Logins that ask the provider at the same time.
+const MOST_ASKING: usize = 16;
 
 /// Where a browser comes back to, below the public address.
 pub const RETURN_PATH: &str = "/v1/session/provider/return";
@@ -33,6 +41,9 @@ pub enum LoginError {
     /// The provider does not answer as it should.
     #[error("the provider cannot be asked: {0}")]
     Provider(String),
+    /// Too many log in at the same time.
+    #[error("too many log in at the same time")]
+    Busy,
     /// The browser was not sent there from here, or long ago, or it came back before.
     #[error("this login was not begun here, or it took too long")]
     NotBegun,
@@ -62,6 +73,10 @@ pub struct Provider {
     options: ProviderOptions,
     requests: Requests,
     pending: Mutex<PendingLogins>,
+    /// What the provider said of itself last, and when.
+    known: Mutex<Option<(Instant, CoreProviderMetadata)>>,
+    /// Logins that ask the provider at the same time.
+    asking: Semaphore,
 }
 
 impl Provider {
@@ -73,7 +88,13 @@ impl Provider {
         let bad = |address: &str, problem: String| LoginError::BadAddress { address: address.to_owned(), problem };
         IssuerUrl::new(options.issuer.clone()).map_err(|problem| bad(&options.issuer, problem.to_string()))?;
         return_address(&options).map_err(|problem| bad(&options.public_address, problem))?;
-        Ok(Self { options, requests: Requests::new(), pending: Mutex::default() })
+        Ok(Self {
+            options,
+            requests: Requests::new(),
+            pending: Mutex::default(),
+            known: Mutex::default(),
+            asking: Semaphore::new(MOST_ASKING),
+        })
     }
 
     /// What was agreed with it.
@@ -83,7 +104,12 @@ impl Provider {
 
     /// Begins a login.
     pub async fn begin(&self) -> Result<Departure, LoginError> {
-        let client = self.client().await?;
+        let _place = self.asking.try_acquire().map_err(|_| LoginError::Busy)?;
+        let known = lock(&self.known).clone().filter(|(asked, _)| asked.elapsed() < KEPT).map(|(_, known)| known);
+        let client = match known {
+            Some(known) => self.client_of(known)?,
+            None => self.client().await?,
+        };
         let (challenge, verifier) = PkceCodeChallenge::new_random_sha256();
         let request =
             client.authorize_url(CoreAuthenticationFlow::AuthorizationCode, CsrfToken::new_random, Nonce::new_random);
@@ -101,6 +127,7 @@ impl Provider {
 
     /// Ends a login: who it is, as the provider calls them.
     pub async fn finish(&self, state: &str, code: String) -> Result<String, LoginError> {
+        let _place = self.asking.try_acquire().map_err(|_| LoginError::Busy)?;
         let pending = lock(&self.pending).take(state).ok_or(LoginError::NotBegun)?;
         let client = self.client().await?;
         let exchange = client.exchange_code(AuthorizationCode::new(code));
@@ -130,6 +157,13 @@ impl Provider {
             IssuerUrl::new(options.issuer.clone()).map_err(|problem| bad(&options.issuer, problem.to_string()))?;
         let description = CoreProviderMetadata::discover_async(issuer, &self.requests).await;
         let description = description.map_err(|problem| LoginError::Provider(in_full(&problem)))?;
+        *lock(&self.known) = Some((Instant::now(), description.clone()));
+        self.client_of(description)
+    }
+
+    fn client_of(&self, description: CoreProviderMetadata) -> Result<Client, LoginError> {
+        let options = &self.options;
+        let bad = |address: &str, problem: String| LoginError::BadAddress { address: address.to_owned(), problem };
         let password = options.password.as_ref().map(|password| ClientSecret::new(password.0.clone()));
         let client = CoreClient::from_provider_metadata(description, ClientId::new(options.client.clone()), password);
         Ok(client.set_redirect_uri(return_address(options).map_err(|problem| bad(&options.public_address, problem))?))

@@ -7,7 +7,7 @@
 //!
 //! **Memory.** A job's state exists from its pilot on. A job whose state does not fit beside the running ones' waits, and so do jobs
 //! after it: the large one's turn comes. Tallies that came before their turn take memory, too: while those of all jobs take more than they may, a
-//! job's next shard is issued only once everything before it is merged.
+//! job that has more than its share of them gets its next shard only once everything before that is merged.
 //!
 //! **Staying.** A worker keeps the scenes, fields and renderers of a few jobs. Where more jobs run, it stays with the job of its last shard until
 //! that one is two shards ahead of the job whose turn it is.
@@ -67,8 +67,8 @@ struct Asker {
     held: usize,
     /// The job to stay with.
     stays_with: Option<JobId>,
-    /// Whether there is room for tallies that come before their turn.
-    may_come_early: bool,
+    /// Bytes of tallies that one job may have early: all that is left, or its share of what all may have.
+    early_share: u64,
 }
 
 /// Work that a worker may be given.
@@ -103,7 +103,7 @@ impl Rules {
         let Some((turn, Candidate { job, work, served, .. })) = self.choose(now, asker) else { return Answer::NoWork };
         self.served = self.served.max(turn);
         let Some(granted) = self.jobs.get_mut(&job) else { return Answer::NoWork };
-        granted.served = served + share(granted.cost(&work), granted.terms.priority);
+        granted.served = served.saturating_add(share(granted.cost(&work), granted.terms.priority));
         let fencing = granted.issue(&work, now);
         if let Some(record) = self.roster.get_mut(worker) {
             record.last_job = Some(job);
@@ -129,7 +129,10 @@ impl Rules {
         let last_job = self.roster.get(worker).and_then(|record| record.last_job);
         let stays_with = last_job.filter(|_| running.nth(CACHED_JOBS).is_some());
         let early = self.jobs.values().map(|job| job.totals.early_bytes).fold(0, u64::saturating_add);
-        Asker { worker, held, stays_with, may_come_early: early < self.options.early_budget }
+        let budget = self.options.early_budget;
+        // Nobody's early tallies hold up the jobs of others.
+        let live = self.jobs.values().filter(|job| !job.has_ended()).count().max(1) as u64;
+        Asker { worker, held, stays_with, early_share: if early < budget { u64::MAX } else { budget / live } }
     }
 
     /// The work of the job whose turn it is, or of the one to stay with; before it, what the job whose turn it is was served.
@@ -181,12 +184,15 @@ impl Rules {
         let name = self.roster.get(worker).map_or("", |record| &record.name);
         let check = job.checks.next_for(name, is_held).and_then(|shard| job.work(WorkIndex::Check(shard)));
         let has_others = || self.roster.has_other(worker, id, now, self.options.lease_duration);
-        let fresh = || job.next_work(worker, has_others, asker.may_come_early);
+        let fresh = || job.next_work(worker, has_others, job.totals.early_bytes < asker.early_share);
         let work = check.or_else(fresh).or_else(|| self.overdue_work(now, worker, held, id, job))?;
         let is_scarce = job.unissued() <= self.roster.count() as u64;
         let served = job.served.max(self.served.saturating_sub(CREDIT));
-        let lead =
-            if asker.stays_with == Some(id) { SHARDS_AHEAD * share(job.cost(&work), job.terms.priority) } else { 0 };
+        let lead = if asker.stays_with == Some(id) {
+            SHARDS_AHEAD.saturating_mul(share(job.cost(&work), job.terms.priority))
+        } else {
+            0
+        };
         Some(Candidate { job: id, work, served, rank: served.saturating_sub(lead), is_scarce })
     }
 

@@ -25,6 +25,8 @@ use crate::farm::cut::Cut;
 const REGION_PIXELS: u64 = 4 << 20;
 /// What a full-grown shard costs, nominal microseconds of one core.
 const SHARD_COST: u64 = 1_000_000;
+/// What a shard costs at most, however many passes a user asks for: ten minutes.
+const LONGEST_SHARD: u64 = 600_000_000;
 /// Shards of one region in an epoch.
 const SHARDS_PER_EPOCH: u32 = 16;
 /// How many epochs a radius field may be behind.
@@ -89,10 +91,11 @@ impl Plan {
         }
     }
 
-    /// The same with the cut that a user asked for.
+    /// The same with the cut that a user asked for. Whoever loses a shard, or waits for one, loses no more than [`LONGEST_SHARD`].
     pub fn with_cut(self, cut: Cut) -> Self {
+        let most = (LONGEST_SHARD / self.cost_per_pass.max(1)).clamp(1, u64::from(Cut::MOST_PASSES)) as u32;
         Self {
-            passes_per_shard: cut.passes_per_shard.unwrap_or(self.passes_per_shard),
+            passes_per_shard: cut.passes_per_shard.map_or(self.passes_per_shard, |passes| passes.min(most)),
             shards_per_epoch: cut.shards_per_epoch.unwrap_or(self.shards_per_epoch),
             ..self
         }
@@ -280,6 +283,16 @@ mod tests {
         let short = Plan::new(64, 64, 100_000, Some(end), RadiusRule::Statistics);
         assert_eq!(short.shard_count(), 40);
         assert!((0..40).all(|index| short.shard(index) == long.shard(index)));
+    }
+
+    /// However many passes a user asks for, a shard costs no more than ten minutes, and at least one pass is made.
+    #[test]
+    fn asked_for_cuts_are_bounded_by_cost() {
+        let passes = |cost| {
+            let cut = Cut { passes_per_shard: Some(1000), shards_per_epoch: None };
+            Plan::new(64, 64, cost, None, RadiusRule::Statistics).with_cut(cut).passes_per_shard
+        };
+        assert_eq!([1, 3_000_000, u64::MAX / 2].map(passes), [1000, 200, 1]);
     }
 
     /// Shards that are cut short by a job's end are no shards of a longer one, and neither is what follows them.

@@ -14,6 +14,8 @@ use crate::math::Frame;
 pub const NO_LIGHT: u32 = u32::MAX;
 /// From here on the numbers of lights are those of emission that is seen and lights nothing.
 pub const SEEN_ONLY: u32 = 1 << 31;
+/// Marks a shape that separates no media.
+pub const NO_BOUNDARY: u16 = u16::MAX;
 /// Marks a hit outside of instances.
 pub const NO_INSTANCE: u32 = u32::MAX;
 const NO_SHADING: u32 = u32::MAX;
@@ -29,14 +31,14 @@ pub struct Shape {
     pub needs_uv: bool,
     /// Whether its hits get [`Interaction::partials`].
     pub needs_partials: bool,
-    /// The medium inside, and that outside, where it separates two.
-    pub media: Option<[Option<u16>; 2]>,
+    /// Index of the media that it separates, or [`NO_BOUNDARY`].
+    pub boundary: u16,
 }
 
 impl Shape {
     /// A shape without light whose material does not look at texture coordinates.
     pub fn new(material: u32) -> Self {
-        Self { material, light: NO_LIGHT, needs_uv: false, needs_partials: false, media: None }
+        Self { material, light: NO_LIGHT, needs_uv: false, needs_partials: false, boundary: NO_BOUNDARY }
     }
 }
 
