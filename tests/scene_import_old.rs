@@ -160,7 +160,7 @@ fn materials_have_their_new_names_and_the_old_defaults() {
         (
             "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'>\
              <float name='uvscale' value='4'/><float name='voffset' value='0.5'/></texture></bsdf>",
-            "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'>\
+            "<bsdf type='diffuse'><texture type='checkerboard' name='reflectance'><boolean name='swaps_numbers' value='false'/>\
              <transform name='to_uv'><scale x='4' y='4'/><translate y='0.5'/></transform></texture></bsdf>",
         ),
     ];
