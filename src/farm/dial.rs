@@ -19,6 +19,8 @@ pub use tokio_rustls::rustls::ClientConfig as TlsSettings;
 use tokio_rustls::rustls::pki_types::ServerName;
 use tower_service::Service;
 
+use crate::farm::tls::client::{Trust, configure};
+
 /// How long it may take to open a stream.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 /// How long sent bytes may be unacknowledged: a host that lost its power does not say so.
@@ -56,6 +58,12 @@ impl Dialer {
                 }
             }
         })
+    }
+
+    /// TCP to those whom this system trusts. Where that cannot be found out, the log says what cannot be done: `loss`.
+    pub fn trusting_system(loss: &'static str) -> Self {
+        let tls = configure(&Trust::System, None).map_err(|problem| tracing::warn!(%problem, "{loss}"));
+        Self::tcp(tls.ok().map(Arc::new))
     }
 
     /// Whatever `dial` opens.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::pack::{standard_name, write_zip};
-use super::{Format, Source, default_environment, format, resolve};
+use super::{Archive, Format, default_environment, format, resolve};
 use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, scene_in_comment};
 use crate::scene::description::{Child, Node, Parameter, PluginClass, Value};
 use crate::scene::error::{Location, SceneError};
@@ -248,15 +248,19 @@ pub fn with_changes(bytes: &[u8], changes: &Changes) -> Result<Vec<u8>, SceneErr
         return Ok(bytes.to_vec());
     }
     let place = Location { file: "scene".to_owned(), ..Location::default() };
-    let source = Source::from_bytes("scene", bytes.into())?;
     let found = format(bytes, &place)?;
+    let mut known = Changes::default();
     let mut files = match found {
-        Format::Zip => Bundle::from_zip(bytes, &place)?.into_files(),
-        single => Files::from([(standard_name(single).to_owned(), source.text.clone())]),
+        Format::Zip => {
+            let bundle = Archive::open(bytes, &place)?.bundle;
+            known = read(&bundle)?;
+            bundle.into_files()
+        }
+        single => Files::from([(standard_name(single).to_owned(), bytes.into())]),
     };
     let comment = scene_in_comment(bytes).filter(|_| found == Format::Zip);
     let comment = comment.map(|scene| format!("{SCENE_COMMENT}{scene}")).unwrap_or_default();
-    let json = serde_json::to_vec(&changes.clone().over(source.changes));
+    let json = serde_json::to_vec(&changes.clone().over(known));
     let failed = |error: String| SceneError::new(&place, format!("the changes cannot be packed: {error}"), "");
     files.insert(FILE.to_owned(), json.map_err(|error| failed(error.to_string()))?.into());
     write_zip(&files, &comment).map_err(|error| failed(error.to_string()))

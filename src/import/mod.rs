@@ -115,10 +115,7 @@ impl Source {
             let (name, bundle, changes) = (name.to_owned(), Bundle::empty(), Changes::default());
             return Ok(Self { name, text: bytes, bundle, changes });
         }
-        let bundle = Bundle::from_zip(&bytes, &location)?;
-        let scene = scene_in_archive(&bytes, bundle.names().iter().map(String::as_str)).map_err(|problem| {
-            SceneError::new(&location, problem, "put one scene.xml or scene.json at the top level")
-        })?;
+        let Archive { bundle, scene } = Archive::open(&bytes, &location)?;
         let text = bundle.read(&scene, &location)?;
         let changes = changes::read(&bundle)?;
         let (folder, name) = scene.rsplit_once('/').unwrap_or(("", &scene));
@@ -219,6 +216,22 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
             let remedy = "give a Mitsuba 3 scene as XML or as a JSON dictionary, a glTF scene, or a zip archive with one of them";
             Err(SceneError::new(location, "this is neither XML, JSON, GLB nor a zip archive", remedy))
         }
+    }
+}
+
+/// An archive that was unpacked, with the name of its scene file.
+struct Archive {
+    bundle: Bundle,
+    scene: String,
+}
+
+impl Archive {
+    fn open(bytes: &[u8], location: &Location) -> Result<Self, SceneError> {
+        let bundle = Bundle::from_zip(bytes, location)?;
+        let scene = scene_in_archive(bytes, bundle.names().iter().map(String::as_str)).map_err(|problem| {
+            SceneError::new(location, problem, "put one scene.xml or scene.json at the top level")
+        })?;
+        Ok(Self { bundle, scene })
     }
 }
 

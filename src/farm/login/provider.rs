@@ -71,6 +71,8 @@ type Client =
 /// A provider of logins.
 pub struct Provider {
     options: ProviderOptions,
+    issuer: IssuerUrl,
+    return_address: RedirectUrl,
     requests: Requests,
     pending: Mutex<PendingLogins>,
     /// What the provider said of itself last, and when.
@@ -86,10 +88,15 @@ impl Provider {
     /// Where issuer or public address are no addresses.
     pub fn new(options: ProviderOptions) -> Result<Self, LoginError> {
         let bad = |address: &str, problem: String| LoginError::BadAddress { address: address.to_owned(), problem };
-        IssuerUrl::new(options.issuer.clone()).map_err(|problem| bad(&options.issuer, problem.to_string()))?;
-        return_address(&options).map_err(|problem| bad(&options.public_address, problem))?;
+        let issuer =
+            IssuerUrl::new(options.issuer.clone()).map_err(|problem| bad(&options.issuer, problem.to_string()))?;
+        let return_address = format!("{}{RETURN_PATH}", options.public_address.trim_end_matches('/'));
+        let return_address =
+            RedirectUrl::new(return_address).map_err(|problem| bad(&options.public_address, problem.to_string()))?;
         Ok(Self {
             options,
+            issuer,
+            return_address,
             requests: Requests::new(),
             pending: Mutex::default(),
             known: Mutex::default(),
@@ -107,7 +114,7 @@ impl Provider {
         let _place = self.asking.try_acquire().map_err(|_| LoginError::Busy)?;
         let known = lock(&self.known).clone().filter(|(asked, _)| asked.elapsed() < KEPT).map(|(_, known)| known);
         let client = match known {
-            Some(known) => self.client_of(known)?,
+            Some(known) => self.client_of(known),
             None => self.client().await?,
         };
         let (challenge, verifier) = PkceCodeChallenge::new_random_sha256();
@@ -151,28 +158,18 @@ impl Provider {
 
     /// Asks the provider where it is and which keys it signs with: both may change.
     async fn client(&self) -> Result<Client, LoginError> {
-        let options = &self.options;
-        let bad = |address: &str, problem: String| LoginError::BadAddress { address: address.to_owned(), problem };
-        let issuer =
-            IssuerUrl::new(options.issuer.clone()).map_err(|problem| bad(&options.issuer, problem.to_string()))?;
-        let description = CoreProviderMetadata::discover_async(issuer, &self.requests).await;
+        let description = CoreProviderMetadata::discover_async(self.issuer.clone(), &self.requests).await;
         let description = description.map_err(|problem| LoginError::Provider(in_full(&problem)))?;
         *lock(&self.known) = Some((Instant::now(), description.clone()));
-        self.client_of(description)
+        Ok(self.client_of(description))
     }
 
-    fn client_of(&self, description: CoreProviderMetadata) -> Result<Client, LoginError> {
-        let options = &self.options;
-        let bad = |address: &str, problem: String| LoginError::BadAddress { address: address.to_owned(), problem };
-        let password = options.password.as_ref().map(|password| ClientSecret::new(password.0.clone()));
-        let client = CoreClient::from_provider_metadata(description, ClientId::new(options.client.clone()), password);
-        Ok(client.set_redirect_uri(return_address(options).map_err(|problem| bad(&options.public_address, problem))?))
+    fn client_of(&self, description: CoreProviderMetadata) -> Client {
+        let ProviderOptions { client, password, .. } = &self.options;
+        let password = password.as_ref().map(|password| ClientSecret::new(password.0.clone()));
+        CoreClient::from_provider_metadata(description, ClientId::new(client.clone()), password)
+            .set_redirect_uri(self.return_address.clone())
     }
-}
-
-fn return_address(options: &ProviderOptions) -> Result<RedirectUrl, String> {
-    let address = format!("{}{RETURN_PATH}", options.public_address.trim_end_matches('/'));
-    RedirectUrl::new(address).map_err(|problem| problem.to_string())
 }
 
 /// What the provider says of somebody.

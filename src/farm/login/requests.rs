@@ -1,7 +1,6 @@
 //! Requests to the provider. Nobody is followed to another address.
 
 use std::pin::Pin;
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::{Body, to_bytes};
@@ -11,7 +10,6 @@ use openidconnect::{AsyncHttpClient, HttpRequest, HttpResponse};
 use tokio::time::timeout;
 
 use crate::farm::dial::Dialer;
-use crate::farm::tls::client::{Trust, configure};
 
 /// How long the provider may take for an answer.
 const PATIENCE: Duration = Duration::from_secs(15);
@@ -31,9 +29,8 @@ pub(super) struct Requests {
 impl Requests {
     /// Trusts whom this system trusts.
     pub(super) fn new() -> Self {
-        let tls = configure(&Trust::System, None);
-        let tls = tls.map_err(|problem| tracing::warn!(%problem, "a provider with https cannot be asked")).ok();
-        Self { http: legacy::Client::builder(TokioExecutor::new()).build(Dialer::tcp(tls.map(Arc::new))) }
+        let dialer = Dialer::trusting_system("a provider with https cannot be asked");
+        Self { http: legacy::Client::builder(TokioExecutor::new()).build(dialer) }
     }
 
     async fn send(&self, request: HttpRequest) -> Result<HttpResponse, NoAnswer> {

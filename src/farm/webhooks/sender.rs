@@ -1,6 +1,5 @@
 //! The requests by which messages are sent.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::body::Body;
@@ -12,7 +11,6 @@ use tokio::time::timeout;
 use super::signature::signature;
 use super::webhook::{Message, Webhook};
 use crate::farm::dial::Dialer;
-use crate::farm::tls::client::{Trust, configure};
 
 /// How long a receiver may take.
 const PATIENCE: Duration = Duration::from_secs(15);
@@ -36,10 +34,8 @@ pub struct Sender {
 impl Sender {
     /// Trusts whom this system trusts.
     pub fn new() -> Self {
-        let tls = configure(&Trust::System, None);
-        let tls = tls.map_err(|problem| tracing::warn!(%problem, "webhooks with https cannot be sent")).ok();
-        let http = legacy::Client::builder(TokioExecutor::new()).build(Dialer::tcp(tls.map(Arc::new)));
-        Self { http }
+        let dialer = Dialer::trusting_system("webhooks with https cannot be sent");
+        Self { http: legacy::Client::builder(TokioExecutor::new()).build(dialer) }
     }
 
     /// Sends a message at `seconds` since 1970.
