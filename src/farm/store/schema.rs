@@ -86,19 +86,39 @@ pub(super) async fn migrate(pool: &AnyPool, blobs: &Blobs) -> Result<(), StoreEr
         });
     }
     if found == 0 {
-        sqlx::query("CREATE TABLE IF NOT EXISTS meta (name TEXT PRIMARY KEY, value BIGINT NOT NULL)")
-            .execute(pool)
-            .await?;
+        create_meta(pool).await?;
     }
     for (index, steps) in MIGRATIONS.iter().enumerate().skip(found as usize) {
-        let mut transaction = pool.begin().await?;
-        for step in *steps {
-            sqlx::query(*step).execute(&mut *transaction).await?;
-        }
-        set_meta(&mut *transaction, "version", index as i64 + 1).await?;
-        transaction.commit().await?;
+        step(pool, index as i64, steps).await?;
     }
     Ok(())
+}
+
+/// The table that holds the version, 0 at first.
+async fn create_meta(pool: &AnyPool) -> Result<(), StoreError> {
+    let create = "CREATE TABLE IF NOT EXISTS meta (name TEXT PRIMARY KEY, value BIGINT NOT NULL)";
+    if let Err(problem) = sqlx::query(create).execute(pool).await {
+        // PostgreSQL answers one of two who create a table at once with an error.
+        meta(pool, "version").await.map_err(|_| StoreError::from(problem))?;
+    }
+    sqlx::query("INSERT INTO meta (name, value) VALUES ('version', 0) ON CONFLICT (name) DO NOTHING")
+        .execute(pool)
+        .await?;
+    Ok(())
+}
+
+/// Makes version `from` + 1 of version `from`, unless somebody who opened the store at the same time did it meanwhile.
+async fn step(pool: &AnyPool, from: i64, statements: &[&'static str]) -> Result<(), StoreError> {
+    let mut transaction = pool.begin().await?;
+    // The first statement takes the row, so that others wait here.
+    let raised =
+        sqlx::query("UPDATE meta SET value = $1 WHERE name = 'version' AND value = $2").bind(from + 1).bind(from);
+    if raised.execute(&mut *transaction).await?.rows_affected() == 1 {
+        for statement in statements {
+            sqlx::query(*statement).execute(&mut *transaction).await?;
+        }
+    }
+    Ok(transaction.commit().await?)
 }
 
 /// Counts that the store is opened; answers how often it was, this time included.
