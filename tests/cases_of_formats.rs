@@ -211,6 +211,36 @@ fn a_thin_pane_neither_shifts_nor_darkens() {
     assert!(changed > 10, "the pane covers {changed} columns");
 }
 
+/// A slab of glass, 1 m thick, before an even background.
+fn slab(volume: Value) -> [f32; 3] {
+    let mut file = GltfFile::new(json!({
+        "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 0.1, "znear": 0.1, "aspectRatio": 1}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0}, "extensions": {
+            "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": volume}}],
+    }));
+    let corners = |z: f32| [[-9., -9., z], [9., -9., z], [9., 9., z], [-9., 9., z]];
+    file.accessor("VEC3", Numbers::F32([corners(0.0), corners(-1.0)].as_flattened().as_flattened()));
+    file.accessor("SCALAR", Numbers::U16(&[0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6]));
+    let changed = with_changes(file.text().as_bytes(), &wide(8)).expect("packs");
+    let scene = load_bytes("slab", &changed, &[]).unwrap_or_else(|error| panic!("{error}"));
+    let picture = Picture::of(&prepared(&scene), "path", 512);
+    [0, 1, 2]
+        .map(|channel| picture.pixels.iter().map(|pixel| pixel[channel]).sum::<f32>() / picture.pixels.len() as f32)
+}
+
+/// Of a slab that reflects the share R at each side and lets a pass in between, R + (1 - R)² a/(1 - R a) arrives.
+#[test]
+fn volumes_attenuate() {
+    let clear = slab(json!({"thicknessFactor": 1}));
+    let color = slab(json!({"thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [0.81, 0.25, 0.04]}));
+    for (channel, passing) in [0.9f32, 0.5, 0.2].into_iter().enumerate() {
+        let right = 0.04 + 0.96 * 0.96 * passing / (1.0 - 0.04 * passing);
+        assert_near(color[channel], right * clear[channel], 0.02, "a volume");
+    }
+}
+
 #[test]
 fn an_unlit_surface_shows_its_color_and_lights_nothing() {
     let scene = prepared(&load("gltf-unlit/scene.gltf", &wide(32)));

@@ -201,7 +201,7 @@ fn bsdf_of(material: &Value) -> (String, String) {
     let mut text = String::new();
     outline(all(&scene, PluginClass::Bsdf)[0], "", 0, &mut text);
     for child in &all(&scene, PluginClass::Shape)[0].children {
-        if child.node.class == PluginClass::Emitter {
+        if [PluginClass::Emitter, PluginClass::Medium].contains(&child.node.class) {
             outline(&child.node, "", 0, &mut text);
         }
     }

@@ -62,9 +62,14 @@ impl Draft {
     }
 
     /// Refers to the plugin with the given id.
-    pub(super) fn with_reference(mut self, id: &str) -> Self {
-        let location = self.location.clone();
-        self.children.push(DraftChild { name: String::new(), target: Target::Reference(id.to_owned()), location });
+    pub(super) fn with_reference(self, id: &str) -> Self {
+        self.with_named_reference("", id)
+    }
+
+    /// Refers to the plugin with the given id in the slot `name`.
+    pub(super) fn with_named_reference(mut self, name: &str, id: &str) -> Self {
+        let (target, location) = (Target::Reference(id.to_owned()), self.location.clone());
+        self.children.push(DraftChild { name: name.to_owned(), target, location });
         self
     }
 }

@@ -123,6 +123,19 @@ pub mod dimension {
     pub const fn light(vertex: u32) -> u32 {
         1 + 2 * vertex
     }
+
+    /// As many flights through media a joint may have.
+    pub const FLIGHTS: u32 = 64;
+
+    /// The branch of the flight through a medium at step `step` of a path, below 65536.
+    pub const fn flight(step: u32) -> u32 {
+        2 * FLIGHTS * step
+    }
+
+    /// The branch of flight `flight`, below [`FLIGHTS`], of the joint at step `step`.
+    pub const fn joint(step: u32, flight: u32) -> u32 {
+        2 * FLIGHTS * step + FLIGHTS + flight
+    }
 }
 
 /// Philox4x32 with `ROUNDS` rounds.

@@ -16,7 +16,7 @@ use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PilotPass, PreparedMethod, Strategy};
 use crate::estimate::{Declaration, PixelTally, Region};
 use crate::math::Rgb;
-use crate::math::random::{PassRandom, Stream, dimension};
+use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
     CameraWalk, LightWalk, MergeRecord, Merging, Selection, StoredVertex, Techniques, Vertex, Weighting, connect,
@@ -192,8 +192,7 @@ impl BidirectionalPasses {
         for path in paths {
             walk.trace(path, counters, |vertex, random, counters| {
                 if self.uses(Techniques::CAMERA) {
-                    let [lens_x, lens_y, _, _] = random.block(dimension::light(vertex.segments));
-                    self.splat(&walk, pass, vertex, [lens_x, lens_y], splats, counters);
+                    self.splat(&walk, pass, vertex, random, splats, counters);
                 }
                 if self.uses(Techniques::MERGE)
                     && let Some(photon) = stored(&vertex.hit, vertex.throughput, vertex.segments, false)
@@ -215,11 +214,11 @@ impl BidirectionalPasses {
         walk: &LightWalk<'_>,
         pass: &Pass<'_>,
         vertex: &Vertex,
-        lens: [f32; 2],
+        random: &PathRandom,
         splats: &mut Vec<(u32, Rgb)>,
         counters: &mut Counters,
     ) {
-        let Some(seen) = to_camera(walk, &self.selection, vertex, lens, counters) else { return };
+        let Some(seen) = to_camera(walk, &self.selection, vertex, random, counters) else { return };
         let region = pixels_of(pass.region, self.scene.width);
         self.scene.film.for_each_pixel(seen.film, |pixel, filter| {
             if region.contains(&pixel) {
@@ -303,11 +302,6 @@ impl CameraPass<'_> {
     fn trace_pixel(&mut self, pixel: usize, tally: &mut PixelTally) {
         let Self { passes, pass, walk, paths, own, nearest, counters } = self;
         let index = pixels_of(pass.region, passes.scene.width).start + pixel as u32;
-        if !passes.scene.media.is_empty() {
-            let radiance = walk.trace_in_media(index, counters);
-            add_to_tally(tally, pass, radiance, &Gathered::default(), counters);
-            return;
-        }
         let acceptance = passes.acceptance(pass, pixel);
         own.clear();
         if passes.uses(Techniques::CONNECT) {
@@ -321,7 +315,7 @@ impl CameraPass<'_> {
                 radiance += direct_light(walk, camera, random, acceptance, counters);
             }
             for light in own.iter() {
-                radiance += connect(walk, camera, light, acceptance, counters);
+                radiance += connect(walk, camera, light, random, acceptance, counters);
             }
             if let Some(map) = &paths.map {
                 let (records, kernel, neighbors) = (paths.records.as_slice(), passes.kernel, passes.neighbors);

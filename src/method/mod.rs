@@ -46,7 +46,7 @@ pub struct MethodEntry {
     /// every mean right, but even where a picture is even they are noise, which only methods do not mind whose paths are as
     /// noisy.
     pub negative_lobes: bool,
-    /// Whether it renders participating media.
+    /// Whether it renders media that scatter light, or absorb unevenly.
     pub media: bool,
     /// The ways of finding paths that it tells apart, up to so many segments; `None` where there is no `strategy` to choose.
     strategies: Option<Strategies>,
@@ -120,7 +120,7 @@ pub struct SceneTraits {
     pub specular: bool,
     /// A reconstruction filter with negative lobes.
     pub negative_lobes: bool,
-    /// Participating media.
+    /// Media that scatter light, or absorb unevenly.
     #[serde(default)]
     pub media: bool,
 }
@@ -132,7 +132,7 @@ impl SceneTraits {
             point_lights: scene.lights.has_points(),
             specular: scene.lobes().any(Lobes::SPECULAR),
             negative_lobes: scene.film.filter.has_negative_lobes(),
-            media: !scene.media.is_empty(),
+            media: scene.has_scattering_media(),
         }
     }
 }
@@ -337,7 +337,7 @@ pub fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<B
     (entry(&method.choice.name)?.prepare)(scene, method, seed)
 }
 
-/// Whether a method renders the media of a scene with such traits.
+/// Whether a method renders the media of a scene with such traits; all render those that only absorb.
 ///
 /// # Errors
 /// It does not, and which methods do.
@@ -347,6 +347,7 @@ pub fn check_media(method: &CheckedMethod, traits: SceneTraits) -> Result<(), Me
         return Ok(());
     }
     let able: Vec<&str> = METHODS.iter().filter(|entry| entry.media).map(|entry| entry.name).collect();
-    let problem = "the scene has participating media, which it does not render".to_owned();
+    let problem =
+        "the scene has participating media that scatter light, or absorb unevenly, which it does not render".to_owned();
     Err(MethodError::Parameter { method: entry.name, problem, remedy: format!("{} does", able.join(", ")) })
 }

@@ -299,7 +299,7 @@ impl Gathering<'_> {
         let mut seen = Rgb::ZERO;
         trace_camera_path(
             scene,
-            CameraWalk::new(ray, true),
+            CameraWalk::new(scene, ray, true),
             random,
             limits,
             &mut seen,
@@ -349,8 +349,8 @@ impl Gathering<'_> {
         let Some(scattering) = shading::scatter(&from.hit, material, &from.view(), [u[0], u[1], u[2]]) else {
             return Rgb::ZERO;
         };
-        let mut walk = CameraWalk::gathering(from, &scattering);
-        if !walk.survives(limits, u[3]) {
+        let mut walk = CameraWalk::gathering(scene, from, &scattering);
+        if !walk.walk.survives(limits, u[3]) {
             return Rgb::ZERO;
         }
         let mut seen = Rgb::ZERO;

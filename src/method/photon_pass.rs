@@ -159,7 +159,7 @@ impl PhotonPasses {
         let scene = &*self.scene;
         let pixel = [pixel as u32 % scene.width, pixel as u32 / scene.width];
         let ray = scene.camera_ray(pixel, random.block(dimension::CAMERA));
-        let walk = CameraWalk::new(ray, self.direct == DirectLight::Sample);
+        let walk = CameraWalk::new(scene, ray, self.direct == DirectLight::Sample);
         let mut radiance = Rgb::ZERO;
         trace_camera_path(scene, walk, random, &self.limits, &mut radiance, counters, gather);
         radiance

@@ -102,7 +102,14 @@ struct HitPoint {
     parameterization: Parameterization,
     /// `Interaction::partials`.
     partials: [f32; 3],
+    /// The shape's border between media.
+    boundary: u16,
+    /// The index of the medium that the path came through, or [`NO_MEDIUM`].
+    medium: u16,
 }
+
+/// The number of a medium where there is none.
+const NO_MEDIUM: u16 = u16::MAX;
 
 /// Texture coordinates as floats of 24 bits each, a 2¹⁶th exact; then the tangent's turn from that of [`Frame::from_normal`]
 /// in 15 bits, and whether the bitangent is mirrored. Fractions of integers would not do: how far coordinates go, and how
@@ -167,6 +174,8 @@ impl HitPoint {
             material_and_segments: hit.shape.material | point.segments.min(255) << MATERIAL_BITS,
             parameterization: Parameterization::new(hit),
             partials: hit.partials,
+            boundary: hit.shape.boundary,
+            medium: point.medium.unwrap_or(NO_MEDIUM),
         }
     }
 
@@ -186,7 +195,7 @@ impl HitPoint {
             uv: self.parameterization.uv(),
             outgoing,
             distance: 0.0,
-            shape: Shape::new(material),
+            shape: Shape { boundary: self.boundary, ..Shape::new(material) },
             primitive: 0,
             instance: NO_INSTANCE,
             error,
@@ -197,6 +206,7 @@ impl HitPoint {
             throughput: self.throughput,
             segments: self.segments(),
             path_length: 0.0,
+            medium: (self.medium != NO_MEDIUM).then_some(self.medium),
             lobes: Lobes::SMOOTH,
             goes_on: false,
         }
@@ -261,15 +271,15 @@ impl Ppm {
         let path = (row * scene.width + column).wrapping_mul(self.samples_per_pixel).wrapping_add(sample);
         let random = PathRandom::new(self.passes.seed, Stream::Camera, HIT_POINT_PASS, path);
         let ray = scene.camera_ray([column, row], random.block(dimension::CAMERA));
-        let mut waiting = vec![CameraWalk::new(ray, true)];
+        let mut waiting = vec![CameraWalk::new(scene, ray, true)];
         while let Some(mut walk) = waiting.pop() {
-            let Some(point) = walk.advance(scene, &self.passes.limits, seen, counters) else { continue };
+            let Some(point) = walk.advance(scene, &random, &self.passes.limits, seen, counters) else { continue };
             let lobes = scene.material(point.hit.shape).lobes();
             if lobes.any(Lobes::SMOOTH) {
                 points.push(HitPoint::new(&point));
             }
             if lobes.any(Lobes::SPECULAR) {
-                match walk.segments <= SPLIT_SEGMENTS {
+                match point.segments <= SPLIT_SEGMENTS {
                     true => waiting.extend(self.all_directions(&walk, &point)),
                     false => waiting.extend(self.one_direction(walk, &point, &random)),
                 }
@@ -291,12 +301,12 @@ impl Ppm {
 
     fn one_direction(&self, mut walk: CameraWalk, point: &GatherPoint, random: &PathRandom) -> Option<CameraWalk> {
         let hit = &point.hit;
-        let u = random.block(dimension::scattering(walk.segments));
+        let u = random.block(dimension::scattering(point.segments));
         let scene = &self.passes.scene;
         let view = point.view().of(Lobes::SPECULAR);
         let scattering = shading::scatter(hit, scene.material(hit.shape), &view, [u[0], u[1], u[2]])?;
         walk.follow(scene, hit, &scattering);
-        walk.survives(&self.passes.limits, u[3]).then_some(walk)
+        walk.walk.survives(&self.passes.limits, u[3]).then_some(walk)
     }
 
     /// One pixel of one pass: sums over its hit points.

@@ -26,7 +26,7 @@ use super::material::{self, Lobes, Material};
 use super::medium::{Medium, MediumIndex};
 use super::notice::Notice;
 use super::texture::TextureReader;
-use crate::math::{Rgb, Vec3};
+use crate::math::Rgb;
 use checks::{check_reach, check_view};
 use instancing::Instancing;
 use lights::{light_table, place_area_lights, read_area_light};
@@ -55,6 +55,8 @@ pub struct Scene {
     pub boundaries: Arc<[[MediumIndex; 2]]>,
     /// The medium that the camera stands in.
     pub camera_medium: MediumIndex,
+    /// The medium around everything.
+    pub outermost_medium: MediumIndex,
     /// All lights.
     pub lights: Arc<LightTable>,
     /// Whether the camera looks through shapes that emit and sees no environment: the integrator's `hide_emitters`.
@@ -142,7 +144,7 @@ impl Scene {
         let Film { width, height, .. } = film;
         let (geometry, lights) = (Arc::new(geometry), Arc::new(lights));
         let (materials, turns_normals) = (materials.into(), textures.turns_normals());
-        Ok(Self {
+        let mut scene = Self {
             width,
             height,
             film,
@@ -157,7 +159,10 @@ impl Scene {
             media: media.into(),
             boundaries: boundaries.into(),
             camera_medium,
-        })
+            outermost_medium: camera_medium,
+        };
+        scene.outermost_medium = scene.medium_outside();
+        Ok(scene)
     }
 
     /// The same scene with a picture of about `most` pixels, if it has more.
@@ -214,20 +219,6 @@ impl Scene {
             hit = self.intersect(&rest)?;
         }
         Some(Interaction { distance: hit.distance + passed, ..hit })
-    }
-
-    /// A medium by its index.
-    #[inline]
-    pub fn medium(&self, index: MediumIndex) -> Option<&Medium> {
-        index.map(|index| &self.media[usize::from(index)])
-    }
-
-    /// The medium on the side of `direction` of a surface that was met in `medium`.
-    #[inline]
-    pub fn medium_beyond(&self, hit: &Interaction, direction: Vec3, medium: MediumIndex) -> MediumIndex {
-        let Some([inside, outside]) = self.boundaries.get(usize::from(hit.shape.boundary)) else { return medium };
-        let (inside, outside) = (*inside, *outside);
-        if direction.dot(hit.geometric_normal) > 0.0 { outside } else { inside }
     }
 
     /// Whether anything that the camera sees is between a ray's origin and its length.

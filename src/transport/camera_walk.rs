@@ -7,15 +7,15 @@
 
 use crate::math::random::{PathRandom, dimension};
 use crate::math::{Rgb, Vec3};
-use crate::scene::Scene;
 use crate::scene::geometry::{Interaction, Ray};
-use crate::scene::light::Place;
 use crate::scene::material::{Lobes, TransportMode, View};
+use crate::scene::{MediumIndex, Scene};
 
 use super::counters::Counters;
 use super::limits::Limits;
 use super::multiple_importance::power_heuristic;
 use super::shading::{self, Scattering};
+use super::walk::Walk;
 
 /// Where a camera path meets a surface, and the lobes in which it gathers there.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +28,8 @@ pub struct GatherPoint {
     pub segments: u32,
     /// Length of the path from the camera to here, m.
     pub path_length: f32,
+    /// The medium that it came through.
+    pub medium: MediumIndex,
     /// The lobes that are gathered in.
     pub lobes: Lobes,
     /// The path goes on in the same lobes: only caustics are gathered.
@@ -63,127 +65,71 @@ enum SeenEmission {
 /// A camera path on its way.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraWalk {
-    /// The next segment.
-    pub ray: Ray,
-    /// Where the next segment begins.
-    place: Place,
-    /// What radiance from the next vertex is multiplied with.
-    pub throughput: Rgb,
-    /// Segments before the next one.
-    pub segments: u32,
+    /// Where it is, and what it carries.
+    pub walk: Walk,
     /// Length so far, m.
-    pub path_length: f32,
-    /// Product of squared relative indices: undoes refraction's scaling of radiance when roulette judges a path.
-    index_squared: f32,
+    path_length: f32,
     emission: SeenEmission,
-    /// Nothing turned the path yet: a scene that hides its lights hides the environment from it.
-    straight: bool,
     /// Whether lights are sampled at gather points; else photons bring their light.
     samples_lights: bool,
 }
 
 impl CameraWalk {
     /// A path that starts with a camera ray.
-    pub fn new(ray: Ray, samples_lights: bool) -> Self {
-        Self {
-            ray,
-            place: ray.origin.into(),
-            throughput: Rgb::ONE,
-            segments: 0,
-            path_length: 0.0,
-            index_squared: 1.0,
-            emission: SeenEmission::Full,
-            straight: true,
-            samples_lights,
-        }
+    pub fn new(scene: &Scene, ray: Ray, samples_lights: bool) -> Self {
+        let walk = Walk::from_camera(scene, ray, 1.0);
+        Self { walk, path_length: 0.0, emission: SeenEmission::Full, samples_lights }
     }
 
     /// A path that leaves `point` by `scattering` to gather indirect light there. Emission that it sees before a lobe
     /// with a density scatters it again is direct light at `point`, or a caustic: it does not count.
-    pub fn gathering(point: &GatherPoint, scattering: &Scattering) -> Self {
-        Self {
-            ray: point.hit.ray_to(scattering.direction),
-            // Nothing that the segment meets is shared with light sampling.
-            place: point.hit.position.into(),
-            throughput: point.throughput * scattering.weight,
-            segments: point.segments,
-            path_length: point.path_length,
-            index_squared: scattering.sample.relative_index * scattering.sample.relative_index,
-            emission: SeenEmission::ByPhotons,
-            straight: false,
-            samples_lights: true,
-        }
+    pub fn gathering(scene: &Scene, point: &GatherPoint, scattering: &Scattering) -> Self {
+        let mut walk = Walk::from_surface(&point.hit, point.throughput, point.segments, point.medium);
+        walk.follow(scene, &point.hit, scattering);
+        Self { walk, path_length: point.path_length, emission: SeenEmission::ByPhotons, samples_lights: true }
     }
 
-    /// Traces the next segment; emission that it sees is added to `radiance`. `None` when the path left the scene.
+    /// Traces the next segment of a path with the numbers `random`; emission that it sees is added to `radiance`. `None` when the
+    /// path left the scene.
     #[inline]
     pub fn advance(
         &mut self,
         scene: &Scene,
+        random: &PathRandom,
         limits: &Limits,
         radiance: &mut Rgb,
         counters: &mut Counters,
     ) -> Option<GatherPoint> {
-        if !limits.allows(self.segments + 1) {
+        let walk = &mut self.walk;
+        if !limits.allows(walk.segments + 1) {
             return None;
         }
-        self.segments += 1;
-        counters.rays += 1;
-        let is_first = self.segments == 1;
-        let found = if is_first { scene.intersect_from_camera(&self.ray) } else { scene.intersect(&self.ray) };
-        let emitted = match &found {
-            Some(hit) => scene.lights.emitted(&scene.geometry, &self.place, hit, self.is_seen()),
-            None if scene.hides_lights && self.straight => None,
-            None => scene.lights.environment(&self.place, self.ray.direction),
-        };
-        if let Some((emitted, light_pdf)) = emitted {
-            *radiance += self.throughput * emitted * self.emission_share(light_pdf);
+        let found = walk.step(scene, random, counters).surface();
+        let is_seen = matches!(self.emission, SeenEmission::Full);
+        if let Some((emitted, light_pdf)) = walk.arriving(scene, found.as_ref(), is_seen) {
+            let share = match self.emission {
+                SeenEmission::Full => 1.0,
+                SeenEmission::Shared(pdf) => power_heuristic(pdf, light_pdf),
+                SeenEmission::ByPhotons => 0.0,
+            };
+            *radiance += walk.throughput * emitted * share;
         }
         let hit = found?;
         self.path_length += hit.distance;
-        let Self { throughput, segments, path_length, .. } = *self;
-        Some(GatherPoint { hit, throughput, segments, path_length, lobes: Lobes::ALL, goes_on: false })
-    }
-
-    /// Whether nothing but specular surfaces lie between the next vertex and the camera.
-    fn is_seen(&self) -> bool {
-        matches!(self.emission, SeenEmission::Full)
-    }
-
-    fn emission_share(&self, light_pdf: f32) -> f32 {
-        match self.emission {
-            SeenEmission::Full => 1.0,
-            SeenEmission::Shared(pdf) => power_heuristic(pdf, light_pdf),
-            SeenEmission::ByPhotons => 0.0,
-        }
+        let Walk { throughput, segments, medium, .. } = *walk;
+        let path_length = self.path_length;
+        Some(GatherPoint { hit, throughput, segments, path_length, medium, lobes: Lobes::ALL, goes_on: false })
     }
 
     /// Goes on after a scattering.
     #[inline]
     pub fn follow(&mut self, scene: &Scene, hit: &Interaction, scattering: &Scattering) {
-        self.place = scene.place(hit);
-        self.throughput *= scattering.weight;
-        let index = scattering.sample.relative_index;
-        self.index_squared *= index * index;
-        self.ray = hit.ray_to(scattering.direction);
-        self.straight = self.straight && scattering.is_straight(hit);
+        self.walk.follow(scene, hit, scattering);
         self.emission = match self.emission {
             _ if !scattering.sample.is_specular() && self.samples_lights => SeenEmission::Shared(scattering.sample.pdf),
             SeenEmission::Full if scattering.sample.is_specular() => SeenEmission::Full,
             _ => SeenEmission::ByPhotons,
         };
-    }
-
-    /// Plays roulette with `u`; false ends the path.
-    #[inline]
-    pub fn survives(&mut self, limits: &Limits, u: f32) -> bool {
-        let kept = self.throughput.max_element() * self.index_squared;
-        let survival = limits.survival(self.segments, kept);
-        if u >= survival {
-            return false;
-        }
-        self.throughput /= survival;
-        true
     }
 }
 
@@ -214,7 +160,7 @@ pub fn trace_camera_path(
     counters: &mut Counters,
     mut gather: impl FnMut(&GatherPoint, &mut Rgb, &mut Counters),
 ) {
-    while let Some(mut point) = walk.advance(scene, limits, radiance, counters) {
+    while let Some(mut point) = walk.advance(scene, random, limits, radiance, counters) {
         point.choose(scene, random);
         let material = scene.material(point.hit.shape);
         if !point.goes_on || material.lobes().any(Lobes::NARROW) {
@@ -223,13 +169,13 @@ pub fn trace_camera_path(
         if !point.goes_on {
             return;
         }
-        walk.throughput = point.throughput;
-        let u = random.block(dimension::scattering(walk.segments));
+        walk.walk.throughput = point.throughput;
+        let u = random.block(dimension::scattering(point.segments));
         let Some(scattering) = shading::scatter(&point.hit, material, &point.view(), [u[0], u[1], u[2]]) else {
             return;
         };
         walk.follow(scene, &point.hit, &scattering);
-        if !walk.survives(limits, u[3]) {
+        if !walk.walk.survives(limits, u[3]) {
             return;
         }
     }

@@ -10,9 +10,8 @@ use super::camera_walk::GatherPoint;
 use super::counters::Counters;
 use super::multiple_importance::power_heuristic;
 use super::shading;
-
-/// Rays to lights end this share before the light, so that rounding does not let the light hide itself.
-pub(super) const SHADOW_END: f32 = 1.0 - 1.0 / 65_536.0;
+use super::visibility::{Blockers, Joint, SHADOW_END, transmittance};
+use super::walk::Walk;
 
 /// Direct radiance that the point's lobes reflect, without the path's throughput; where the path goes on, its next segment
 /// takes the part of material sampling.
@@ -40,20 +39,23 @@ fn sample_light(scene: &Scene, point: &GatherPoint, random: &PathRandom, counter
     if reflected == Rgb::ZERO || leaks {
         return Rgb::ZERO;
     }
-    let ray = Ray {
-        origin: hit.offset_towards(light.direction),
-        direction: light.direction,
-        length: light.distance * SHADOW_END,
+    let (origin, length) = (hit.offset_towards(light.direction), light.distance * SHADOW_END);
+    let joint = Joint {
+        ray: Ray { origin, direction: light.direction, length },
+        medium: scene.medium_beyond(hit, light.direction, point.medium),
+        blockers: Blockers::All,
+        random,
+        step: point.segments,
     };
-    counters.rays += 1;
-    if scene.geometry.is_blocked(&ray) {
+    let passing = transmittance(scene, &joint, counters);
+    if passing == Rgb::ZERO {
         return Rgb::ZERO;
     }
     let weight = match light.pdf_solid_angle {
         0.0 => 1.0,
         pdf => power_heuristic(pdf, material.pdf(&view, incident)),
     };
-    reflected * light.weighted_radiance * weight
+    reflected * light.weighted_radiance * passing * weight
 }
 
 #[inline]
@@ -64,18 +66,14 @@ fn sample_material(scene: &Scene, point: &GatherPoint, random: &PathRandom, coun
     let Some(scattering) = shading::scatter(hit, material, &point.view(), [u[0], u[1], u[2]]) else {
         return Rgb::ZERO;
     };
-    let ray = hit.ray_to(scattering.direction);
-    if !scene.lights.may_be_hit(&scene.geometry, &ray) {
+    let mut walk = Walk::from_surface(hit, Rgb::ONE, point.segments, point.medium);
+    walk.follow(scene, hit, &scattering);
+    if !scene.lights.may_be_hit(&scene.geometry, &walk.ray) {
         return Rgb::ZERO;
     }
-    counters.rays += 1;
-    let place = scene.place(hit);
-    let arriving = match scene.intersect(&ray) {
-        Some(next) => scene.lights.emitted(&scene.geometry, &place, &next, false),
-        None => scene.lights.environment(&place, ray.direction),
-    };
-    match arriving {
-        Some((radiance, pdf)) => scattering.weight * radiance * power_heuristic(scattering.sample.pdf, pdf),
+    let found = walk.step(scene, random, counters).surface();
+    match walk.arriving(scene, found.as_ref(), false) {
+        Some((radiance, pdf)) => walk.throughput * radiance * power_heuristic(scattering.sample.pdf, pdf),
         None => Rgb::ZERO,
     }
 }

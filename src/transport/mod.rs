@@ -9,11 +9,14 @@ pub mod density_estimate;
 pub mod direct_light;
 pub mod first_radius;
 pub mod kernel;
+pub mod light_path;
 pub mod limits;
 pub mod multiple_importance;
 pub mod photon_map;
 pub mod photon_tracing;
 pub mod shading;
+pub mod visibility;
+pub mod walk;
 
 pub use counters::Counters;
 pub use limits::Limits;

@@ -1,15 +1,18 @@
 //! Photon paths: from a light through the scene, stored wherever a surface has a smooth lobe.
 
 use crate::math::octahedral;
-use crate::math::random::{PassRandom, dimension};
+use crate::math::random::{PassRandom, PathRandom};
 use crate::scene::Scene;
-use crate::scene::geometry::{Interaction, Ray};
-use crate::scene::material::{Lobes, TransportMode};
+use crate::scene::geometry::Interaction;
+use crate::scene::light::EmittedPhoton;
+use crate::scene::material::{Lobes, View};
 
 use super::counters::Counters;
+use super::light_path::{LightVertices, trace_light_path};
 use super::limits::Limits;
 use super::photon_map::Photon;
-use super::shading;
+use super::shading::Scattering;
+use super::walk::Walk;
 
 /// Which photons of a pass are traced and stored.
 #[derive(Clone, Copy, Debug)]
@@ -36,41 +39,32 @@ pub fn trace_photon(
     counters: &mut Counters,
 ) {
     let random = settings.random.path(path);
-    counters.photons_emitted += 1;
-    let place = random.block(dimension::EMISSION);
-    let direction = random.block(dimension::EMISSION_DIRECTION);
-    let emitted = scene.lights.emit(&scene.geometry, [place[0], place[1], place[2]], [direction[0], direction[1]]);
-    let Some(emitted) = emitted else { return };
-    let mut ray = Ray::new(emitted.origin, emitted.direction);
-    let mut flux = emitted.flux;
-    let emitted_peak = flux.max_element();
-    if !(emitted_peak > 0.0 && emitted_peak.is_finite()) {
-        counters.non_finite += u64::from(!emitted_peak.is_finite());
-        return;
-    }
-    let mut scattered = false;
-    for segments in 1u32.. {
-        if !settings.limits.allows(segments + 1) {
-            return;
-        }
-        counters.rays += 1;
-        let Some(hit) = scene.intersect(&ray) else { return };
-        let material = scene.material(hit.shape);
+    let mut storing = Storing { scene, settings, photons, scattered: false };
+    trace_light_path(scene, &settings.limits, &random, counters, &mut storing);
+}
+
+/// Stores photons where a path meets surfaces.
+struct Storing<'a> {
+    scene: &'a Scene,
+    settings: &'a PhotonSettings<'a>,
+    photons: &'a mut Vec<Photon>,
+    /// Whether a lobe with a density scattered the path.
+    scattered: bool,
+}
+
+impl LightVertices for Storing<'_> {
+    #[inline(always)]
+    fn arrive(&mut self, walk: &Walk, hit: &Interaction, _: &EmittedPhoton, _: &PathRandom, _: &mut Counters) {
+        let Self { scene, settings, scattered, .. } = *self;
         let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
-        if segments >= settings.first_stored_segment && material.lobes().any(takers) {
-            photons.extend(stored(&hit, flux, segments, scattered));
+        if walk.segments >= settings.first_stored_segment && scene.material(hit.shape).lobes().any(takers) {
+            self.photons.extend(stored(hit, walk.throughput, walk.segments, scattered));
         }
-        let u = random.block(dimension::scattering(segments));
-        let view = shading::view(&hit, TransportMode::Flux);
-        let Some(scattering) = shading::scatter(&hit, material, &view, [u[0], u[1], u[2]]) else { return };
-        scattered |= !scattering.sample.is_specular();
-        flux *= scattering.weight;
-        let survival = settings.limits.survival(segments, flux.max_element() / emitted_peak);
-        if u[3] >= survival {
-            return;
-        }
-        flux /= survival;
-        ray = hit.ray_to(scattering.direction);
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, _: &Interaction, _: &View, scattering: &Scattering) {
+        self.scattered |= !scattering.sample.is_specular();
     }
 }
 

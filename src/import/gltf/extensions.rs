@@ -41,7 +41,11 @@ pub(in super::super) const EXTENSIONS: &[Row] = &[
     Row::new("KHR_materials_transmission", Approximated, "thin walls have no roughness; solids refract"),
     Row::new("KHR_materials_unlit", Same, "seen, and lights nothing; opaque"),
     Row::new("KHR_materials_variants", PassedOver, "the materials of the primitives themselves"),
-    Row::new("KHR_materials_volume", Approximated, "says what is solid; attenuation is ignored"),
+    Row::new(
+        "KHR_materials_volume",
+        Same,
+        "a share of 0 after the attenuation distance counts as 10⁻⁶; `thicknessTexture` is not needed",
+    ),
     Row::new("KHR_mesh_quantization", Same, ""),
     Row::new("KHR_meshopt_compression", Refused, "export without mesh compression"),
     Row::new("KHR_texture_basisu", Refused, "export PNG or JPEG; beside an image of these it is passed over"),

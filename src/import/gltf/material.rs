@@ -7,7 +7,7 @@ use super::super::draft::Draft;
 use super::entry::Entry;
 use super::mesh::Wish;
 use super::texture::{Images, Meaning, Slot, Textures};
-use super::transmission::{Transmission, thin_wall};
+use super::transmission::{Transmission, interior, thin_wall};
 use super::{Input, Output, extensions, specular_glossiness, unlit};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::SceneError;
@@ -22,6 +22,8 @@ pub(super) struct Material {
     pub id: String,
     /// The area light of every shape that has it.
     pub emitter: Option<Draft>,
+    /// The id of the medium inside of its shapes.
+    pub interior: Option<String>,
     /// What its textures want of meshes.
     pub wish: Wish,
 }
@@ -67,9 +69,15 @@ impl Materials {
             }
         };
         bsdf.id.clone_from(&id);
+        let medium = reference.as_ref().map(|(_, entry)| interior(entry)).transpose()?.flatten();
+        let interior = medium.map(|medium| {
+            let id = format!("{id}_interior");
+            self.plugins.push(Draft { id: id.clone(), ..medium });
+            id
+        });
         let has_normal_map = reference.as_ref().is_some_and(|(_, material)| material.has("normalTexture"));
         let wish = Wish { texture_coordinates: textures.set.unwrap_or(0), tangents: has_normal_map };
-        let made = Rc::new(Material { id, emitter, wish });
+        let made = Rc::new(Material { id, emitter, interior, wish });
         self.plugins.push(bsdf);
         self.made.insert(key, made.clone());
         Ok(made)

@@ -252,6 +252,10 @@ impl Placement {
         let shape = Draft::new(PluginClass::Shape, "ply", &self.location).with_text("filename", &self.file.name);
         let shape = if self.file.flat { shape.with_flag("face_normals", true) } else { shape };
         let shape = shape.with_reference(&self.material.id);
+        let shape = match &self.material.interior {
+            Some(medium) => shape.with_named_reference("interior", medium),
+            None => shape,
+        };
         match &self.material.emitter {
             Some(emitter) => shape.with_child("", emitter.clone()),
             None => shape,

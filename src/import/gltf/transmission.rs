@@ -18,6 +18,37 @@ pub(super) enum Transmission {
     Thin(Slot),
 }
 
+/// The least share of light that is left after the attenuation distance: the format allows none, which no number of absorption gives.
+const LEAST_SHARE: f64 = 1e-6;
+
+/// The volume of a material that is one: without thickness it is a thin wall.
+fn volume<'a>(material: &Entry<'a>) -> Result<Option<Entry<'a>>, SceneError> {
+    let Some(volume) = material.extension("KHR_materials_volume")? else { return Ok(None) };
+    let thickness = volume.number_within("thicknessFactor", 0.0, 0.0, f64::INFINITY)?;
+    Ok((thickness > 0.0).then_some(volume))
+}
+
+/// The medium inside of a solid that light gets into: after the attenuation distance d, m, the attenuation color c is left, so that
+/// it absorbs -ln c / d.
+///
+/// # Errors
+/// On numbers that no volume can have.
+pub(super) fn interior(material: &Entry<'_>) -> Result<Option<Draft>, SceneError> {
+    let Some(transmission) = material.extension("KHR_materials_transmission")? else { return Ok(None) };
+    let lets_through = transmission.number_within("transmissionFactor", 0.0, 0.0, 1.0)? > 0.0;
+    let Some(volume) = volume(material)?.filter(|volume| lets_through && volume.has("attenuationDistance")) else {
+        return Ok(None);
+    };
+    let distance = volume.number_within("attenuationDistance", f64::INFINITY, f64::MIN_POSITIVE, f64::INFINITY)?;
+    let color = volume.color("attenuationColor", [1.0; 3])?;
+    if color == [1.0; 3] {
+        return Ok(None);
+    }
+    let absorption = color.map(|share| share.max(LEAST_SHARE).recip().ln() / distance);
+    let medium = Draft::new(PluginClass::Medium, "homogeneous", &volume.location());
+    Ok(Some(medium.with_rgb("sigma_t", absorption).with_rgb("albedo", [0.0; 3])))
+}
+
 impl Transmission {
     /// Reads both extensions of a material.
     ///
@@ -34,21 +65,10 @@ impl Transmission {
             return Ok(Self::None);
         }
         let texture = textures.read(&extension, "transmissionTexture", Meaning::Channel("r"))?;
-        let volume = material.extension("KHR_materials_volume")?;
-        let thickness = match &volume {
-            Some(volume) => volume.number_within("thicknessFactor", 0.0, 0.0, f64::INFINITY)?,
-            None => 0.0,
-        };
-        let Some(volume) = volume.filter(|_| thickness > 0.0) else {
+        if volume(material)?.is_none() {
             return Ok(Self::thin(material, factor, texture, base, textures));
-        };
-        let share = Slot::product(texture, Value::Float(factor));
-        if volume.has("attenuationDistance") && volume.color("attenuationColor", [1.0; 3])? != [1.0; 3] {
-            let explanation = "the inside of the solid is clear; only the surface has a color";
-            let notice = Notice::ignored(&volume.location(), "the attenuation of a volume", explanation);
-            textures.output.notices.add(notice);
         }
-        Ok(Self::Solid(share))
+        Ok(Self::Solid(Slot::product(texture, Value::Float(factor))))
     }
 
     /// Through a thin wall; what is metal lets nothing through.

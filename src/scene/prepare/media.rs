@@ -2,12 +2,64 @@
 
 use std::sync::Arc;
 
-use super::Builder;
+use super::{Builder, Scene};
+use crate::math::{Vec2, Vec3};
 use crate::scene::description::{Node, PluginClass};
 use crate::scene::error::{Location, SceneError};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::surface::NO_BOUNDARY;
-use crate::scene::medium;
+use crate::scene::geometry::{Interaction, Ray};
+use crate::scene::medium::{self, Medium, MediumIndex};
+
+/// The most surfaces behind which a medium is looked for.
+const MOST_PASSED: usize = 1024;
+
+impl Scene {
+    /// A medium by its index.
+    #[inline]
+    pub fn medium(&self, index: MediumIndex) -> Option<&Medium> {
+        index.map(|index| &self.media[usize::from(index)])
+    }
+
+    /// The media inside and outside of the shape at `hit`, where it separates two.
+    #[inline]
+    fn media_at(&self, hit: &Interaction) -> Option<[MediumIndex; 2]> {
+        self.boundaries.get(usize::from(hit.shape.boundary)).copied()
+    }
+
+    /// The medium on the side of `direction` of a surface that was met in `medium`.
+    #[inline]
+    pub fn medium_beyond(&self, hit: &Interaction, direction: Vec3, medium: MediumIndex) -> MediumIndex {
+        let Some([inside, outside]) = self.media_at(hit) else { return medium };
+        if direction.dot(hit.geometric_normal) > 0.0 { outside } else { inside }
+    }
+
+    /// The medium in which a ray begins, by the first surface along it that separates two.
+    pub fn medium_along(&self, ray: &Ray) -> MediumIndex {
+        let before = |hit: &Interaction| self.media_at(hit).map(|_| self.medium_beyond(hit, hit.outgoing, None));
+        self.surfaces_along(*ray).find_map(|hit| before(&hit)).unwrap_or(self.outermost_medium)
+    }
+
+    /// The medium beyond all surfaces, which the one that the camera stands in tells.
+    pub(super) fn medium_outside(&self) -> MediumIndex {
+        if self.media.is_empty() {
+            return None;
+        }
+        let ray = self.camera.ray(Vec2::splat(0.5), [0.5; 2]);
+        let beyond = |medium, hit: Interaction| self.medium_beyond(&hit, ray.direction, medium);
+        self.surfaces_along(ray).fold(self.camera_medium, beyond)
+    }
+
+    fn surfaces_along(&self, ray: Ray) -> impl Iterator<Item = Interaction> {
+        let next = move |hit: &Interaction| self.intersect(&hit.ray_to(ray.direction));
+        std::iter::successors(self.intersect(&ray), next).take(MOST_PASSED)
+    }
+
+    /// Whether some media do more than absorb by distance alone, which few methods render.
+    pub fn has_scattering_media(&self) -> bool {
+        self.media.iter().any(|medium| !medium.only_absorbs())
+    }
+}
 
 impl Builder<'_> {
     /// The index of a medium.
@@ -19,7 +71,7 @@ impl Builder<'_> {
         let index = u16::try_from(self.media.len()).map_err(|_| {
             SceneError::new(&node.location, "the scene has more than 65536 media", "share some of them")
         })?;
-        self.media.push(medium::read(node)?);
+        self.media.push(medium::read(node, self.bundle)?);
         self.medium_of_node.insert(address, index);
         Ok(index)
     }

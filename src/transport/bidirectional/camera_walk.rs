@@ -1,4 +1,7 @@
 //! Camera subpaths.
+//!
+//! In scenes with media, methods that make nothing but camera subpaths pass straight through panes, holes of masks and the borders
+//! of media: those are no vertices and add no segment, and light is sampled through them.
 
 use super::selection::Selection;
 use super::vertex::{Vertex, reverse_pdf};
@@ -6,10 +9,15 @@ use super::weights::{Densities, Sums, Techniques, Weighting};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
-use crate::scene::geometry::{Interaction, Ray};
-use crate::scene::light::Place;
-use crate::scene::material::{Lobes, TransportMode};
-use crate::transport::{Counters, Limits, shading};
+use crate::scene::geometry::Interaction;
+use crate::scene::material::{Lobes, TransportMode, View};
+use crate::transport::shading::{self, Scattering};
+use crate::transport::visibility::Blockers;
+use crate::transport::walk::{Step, Walk};
+use crate::transport::{Counters, Limits};
+
+/// The most steps of a path that passes surfaces: what is left is lost in rounding.
+const MOST_STEPS: u32 = 4096;
 
 /// What all camera subpaths of a pass share.
 #[derive(Clone, Copy)]
@@ -28,20 +36,25 @@ pub struct CameraWalk<'a> {
 
 /// The last scattering of a walk.
 #[derive(Clone, Copy)]
-struct Last {
-    /// Where it was; the lens at first.
-    place: Place,
-    /// Density of the new direction by solid angle; 0 for a specular lobe.
-    pdf: f32,
-    /// Nothing turned the path yet: a scene that hides its lights hides the environment from it.
-    straight: bool,
+pub(super) struct Last {
+    /// Density of the new direction by solid angle; 0 for a specular lobe, and at the lens.
+    pub(super) pdf: f32,
     /// Sums after the scattering, before the next segment.
-    sums: Sums,
+    pub(super) sums: Sums,
     /// Whether all scattering was specular.
-    is_seen: bool,
+    pub(super) is_seen: bool,
 }
 
 impl CameraWalk<'_> {
+    /// What is in the way between a camera vertex and a light.
+    #[inline]
+    pub(super) fn blockers(&self) -> Blockers {
+        match self.weighting.is_one_ended() && !self.scene.media.is_empty() {
+            true => Blockers::Turning,
+            false => Blockers::All,
+        }
+    }
+
     /// Traces the camera subpath of `pixel` (counted in the picture); each vertex with a lobe that has a density is shown to
     /// `visit`, which returns radiance. The radiance of all of them and of lights that were hit. `acceptance` is ηᵝ.
     #[inline]
@@ -55,51 +68,47 @@ impl CameraWalk<'_> {
         let scene = self.scene;
         let random = self.random.path(pixel);
         let place = [pixel % scene.width, pixel / scene.width];
-        let (mut ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
-        let (mut throughput, mut index_squared, mut radiance) = (Rgb::splat(count), 1.0, Rgb::ZERO);
-        let mut last =
-            Last { place: ray.origin.into(), pdf: 0.0, straight: true, sums: Sums::default(), is_seen: true };
-        for segments in 1u32.. {
-            if !self.limits.allows(segments) {
-                break;
-            }
-            counters.rays += 1;
-            let found = if segments == 1 { scene.intersect_from_camera(&ray) } else { scene.intersect(&ray) };
-            if let Some((emitted, weight)) = self.emission(&ray, found.as_ref(), segments, &last, acceptance) {
-                radiance += self.selection.shown(throughput * emitted, weight);
+        let (ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
+        let mut walk = Walk::from_camera(scene, ray, count);
+        let mut last = Last { pdf: 0.0, sums: Sums::default(), is_seen: true };
+        let (mut radiance, passes) = (Rgb::ZERO, self.blockers() == Blockers::Turning);
+        while self.limits.allows(walk.segments + 1) {
+            let found = match walk.step(scene, &random, counters) {
+                Step::Surface(hit) => Some(hit),
+                Step::Escaped => None,
+                Step::Medium(position) => {
+                    radiance += self.scatter_in_medium(&mut walk, position, &mut last, &random, counters);
+                    if walk.survives(&self.limits, random.block(dimension::scattering(walk.steps))[3]) {
+                        continue;
+                    }
+                    break;
+                }
+            };
+            if let Some((emitted, weight)) = self.emission(&walk, found.as_ref(), &last, acceptance) {
+                radiance += self.selection.shown(walk.throughput * emitted, weight);
             }
             let Some(hit) = found else { break };
-            let sums = self.arrive(&hit, segments, &last);
+            let sums = self.arrive(&hit, walk.segments, &last);
             let material = scene.material(hit.shape);
             if material.lobes().any(Lobes::SMOOTH) {
-                radiance += visit(&Vertex { hit, throughput, sums, segments }, &random, counters);
+                radiance += visit(&Vertex::new(&walk, &hit, sums), &random, counters);
             }
-            let u = random.block(dimension::scattering(segments));
+            let u = random.block(dimension::scattering(walk.steps));
             let view = shading::view(&hit, TransportMode::Radiance);
             let Some(scattering) = shading::scatter(&hit, material, &view, [u[0], u[1], u[2]]) else { break };
-            let sample = &scattering.sample;
-            throughput *= scattering.weight;
-            index_squared *= sample.relative_index * sample.relative_index;
-            // Refraction scales radiance, which is no loss.
-            let kept = throughput.abs().max_element() / count.abs() * index_squared;
-            let survival = self.limits.survival(segments, kept);
-            if u[3] >= survival {
+            if passes && scattering.is_straight(&hit) {
+                walk.pass(scene, &hit, &scattering);
+                if walk.steps < MOST_STEPS && walk.throughput != Rgb::ZERO {
+                    continue;
+                }
                 break;
             }
-            throughput /= survival;
-            let cosine = scattering.direction.dot(hit.geometric_normal).abs();
-            let sums = if self.weighting.is_one_ended() {
-                Sums::default()
-            } else if sample.is_specular() {
-                self.weighting.scatter_specular(&sums, cosine)
-            } else {
-                let reverse = reverse_pdf(scene, &hit, &view, sample.direction);
-                self.weighting.scatter(&sums, Densities { forward: sample.pdf, reverse }, cosine)
-            };
-            let straight = last.straight && scattering.is_straight(&hit);
-            let is_seen = last.is_seen && sample.is_specular();
-            last = Last { place: scene.place(&hit), pdf: sample.pdf, straight, sums, is_seen };
-            ray = hit.ray_to(scattering.direction);
+            walk.follow(scene, &hit, &scattering);
+            if !walk.survives(&self.limits, u[3]) {
+                break;
+            }
+            let is_seen = last.is_seen && scattering.sample.is_specular();
+            last = Last { pdf: scattering.sample.pdf, sums: self.leave(&hit, &view, &scattering, &sums), is_seen };
         }
         radiance
     }
@@ -118,23 +127,24 @@ impl CameraWalk<'_> {
         self.weighting.start_camera(pdf, camera.spread(-hit.outgoing, hit.distance), cosine)
     }
 
+    #[inline]
+    fn leave(&self, hit: &Interaction, view: &View, scattering: &Scattering, sums: &Sums) -> Sums {
+        if self.weighting.is_one_ended() {
+            return Sums::default();
+        }
+        let cosine = scattering.direction.dot(hit.geometric_normal).abs();
+        if scattering.sample.is_specular() {
+            return self.weighting.scatter_specular(sums, cosine);
+        }
+        let reverse = reverse_pdf(self.scene, hit, view, scattering.sample.direction);
+        self.weighting.scatter(sums, Densities { forward: scattering.sample.pdf, reverse }, cosine)
+    }
+
     /// The radiance that a light sends along the last segment, and the weight of finding it by chance.
     #[inline]
-    fn emission(
-        &self,
-        ray: &Ray,
-        hit: Option<&Interaction>,
-        segments: u32,
-        last: &Last,
-        acceptance: f32,
-    ) -> Option<(Rgb, f32)> {
-        let lights = &self.scene.lights;
-        let arriving = match hit {
-            Some(hit) => lights.emitted(&self.scene.geometry, &last.place, hit, last.is_seen),
-            None if self.scene.hides_lights && last.straight => None,
-            None => lights.environment(&last.place, ray.direction),
-        };
-        let (radiance, sampled) = arriving?;
+    fn emission(&self, walk: &Walk, hit: Option<&Interaction>, last: &Last, acceptance: f32) -> Option<(Rgb, f32)> {
+        let (lights, segments) = (&self.scene.lights, walk.segments);
+        let (radiance, sampled) = walk.arriving(self.scene, hit, last.is_seen)?;
         let takes_part = segments == 1 || self.weighting.techniques.any(Techniques::HIT);
         if !takes_part || !self.selection.takes(segments, 0, segments + 1) {
             return None;
@@ -145,7 +155,7 @@ impl CameraWalk<'_> {
         }
         let (sums, emitted) = match hit {
             Some(hit) => (self.arrive(hit, segments, last), lights.emission_pdf(&self.scene.geometry, hit)),
-            None => (last.sums, sampled * lights.environment_emission_ratio(&last.place, ray.direction)),
+            None => (last.sums, sampled * lights.environment_emission_ratio(&walk.place, walk.ray.direction)),
         };
         Some((radiance, self.weighting.hit(&sums, last.pdf, sampled, emitted, acceptance)))
     }

@@ -14,27 +14,25 @@ use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 use crate::scene::geometry::surface::NO_LIGHT;
 use crate::scene::material::{Lobes, Material, TransportMode, View};
-use crate::transport::direct_light::SHADOW_END;
 use crate::transport::kernel::Kernel;
 use crate::transport::photon_map::{GatherQuery, Gathered, Nearest, PhotonMap};
+use crate::transport::visibility::{Blockers, Joint, SHADOW_END, transmittance};
 use crate::transport::{Counters, shading};
 
-/// Whether nothing is between `vertex` and the end of a segment of length `distance` in `direction`.
+/// The line along `ray` that leaves `vertex`.
 #[inline]
-fn is_open(scene: &Scene, vertex: &Vertex, direction: Vec3, distance: f32, counters: &mut Counters) -> bool {
-    counters.rays += 1;
-    let origin = vertex.hit.offset_towards(direction);
-    !scene.geometry.is_blocked(&Ray { origin, direction, length: distance * SHADOW_END })
+fn joint<'a>(scene: &Scene, vertex: &Vertex, ray: Ray, blockers: Blockers, random: &'a PathRandom) -> Joint<'a> {
+    let medium = scene.medium_beyond(&vertex.hit, ray.direction, vertex.medium);
+    Joint { ray, medium, blockers, random, step: vertex.steps }
 }
 
-/// Whether nothing is between two vertices. Both ends are moved off their surfaces: short connections in corners carry much.
+/// The line between two vertices in `direction`. Both ends are moved off their surfaces: short connections in corners carry much.
 #[inline]
-fn is_open_between(scene: &Scene, from: &Vertex, to: &Vertex, direction: Vec3, counters: &mut Counters) -> bool {
-    counters.rays += 1;
+fn ray_between(from: &Vertex, to: &Vertex, direction: Vec3) -> Ray {
     let origin = from.hit.offset_towards(direction);
     let between = to.hit.offset_towards(-direction) - origin;
     let length = between.length();
-    !scene.geometry.is_blocked(&Ray { origin, direction: between / length, length: length * SHADOW_END })
+    Ray { origin, direction: between / length, length: length * SHADOW_END }
 }
 
 /// Radiance by a sampled point of a light at a camera vertex [Veach 1997, 10.3: one light vertex].
@@ -51,12 +49,18 @@ pub fn direct_light(
     if !walk.limits.allows(segments) || !walk.selection.takes(segments, 1, camera.segments + 1) {
         return Rgb::ZERO;
     }
-    let u = random.block(dimension::light(camera.segments));
+    let u = random.block(dimension::light(camera.steps));
     let place = scene.place(&camera.hit);
     let Some(light) = scene.lights.sample_direct(&scene.geometry, &place, [u[0], u[1], u[2]]) else { return Rgb::ZERO };
     let Some(reflected) = camera.reflect(scene, TransportMode::Radiance, light.direction) else { return Rgb::ZERO };
     let carried = camera.throughput * reflected.value * light.weighted_radiance;
-    if carried == Rgb::ZERO || !is_open(scene, camera, light.direction, light.distance, counters) {
+    if carried == Rgb::ZERO {
+        return Rgb::ZERO;
+    }
+    let origin = camera.hit.offset_towards(light.direction);
+    let ray = Ray { origin, direction: light.direction, length: light.distance * SHADOW_END };
+    let passing = transmittance(scene, &joint(scene, camera, ray, walk.blockers(), random), counters);
+    if passing == Rgb::ZERO {
         return Rgb::ZERO;
     }
     let pdf = match walk.weighting.is_one_ended() {
@@ -64,7 +68,7 @@ pub fn direct_light(
         false => camera.pdf(scene, &reflected),
     };
     let weight = walk.weighting.direct(&camera.sums, pdf, reflected.cosine, &light, acceptance);
-    walk.selection.shown(carried, weight)
+    walk.selection.shown(carried * passing, weight)
 }
 
 /// Radiance by connecting a camera vertex with the vertex of a light subpath [Veach 1997, 10.3: two light vertices or more].
@@ -73,6 +77,7 @@ pub fn connect(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
     light: &Vertex,
+    random: &PathRandom,
     acceptance: f32,
     counters: &mut Counters,
 ) -> Rgb {
@@ -88,7 +93,12 @@ pub fn connect(
     let Some(at_light) = light.reflect(walk.scene, TransportMode::Flux, -direction) else { return Rgb::ZERO };
     // Of the geometry factor one cosine is in each of the values.
     let carried = camera.throughput * at_camera.value * at_light.value * light.throughput / distance_squared;
-    if !carried.is_finite() || !is_open_between(walk.scene, camera, light, direction, counters) {
+    if !carried.is_finite() {
+        return Rgb::ZERO;
+    }
+    let joint = joint(walk.scene, camera, ray_between(camera, light, direction), Blockers::All, random);
+    let passing = transmittance(walk.scene, &joint, counters);
+    if passing == Rgb::ZERO {
         return Rgb::ZERO;
     }
     let weight = walk.weighting.connection(
@@ -98,7 +108,7 @@ pub fn connect(
         distance_squared,
         acceptance,
     );
-    walk.selection.shown(carried, weight)
+    walk.selection.shown(carried * passing, weight)
 }
 
 /// A vertex of a light subpath as the camera sees it.
@@ -123,13 +133,13 @@ impl SeenVertex {
 }
 
 /// Connects the vertex of a light subpath with the camera [Veach 1997, 10.3: one camera vertex]; `None` where the camera does
-/// not see it.
+/// not see it. `random` are the numbers of the light subpath.
 #[inline]
 pub fn to_camera(
     walk: &LightWalk<'_>,
     selection: &Selection,
     light: &Vertex,
-    lens: [f32; 2],
+    random: &PathRandom,
     counters: &mut Counters,
 ) -> Option<SeenVertex> {
     let scene = walk.scene;
@@ -140,7 +150,9 @@ pub fn to_camera(
     if scene.hides_lights && light.hit.shape.light != NO_LIGHT {
         return None;
     }
-    let seen = scene.camera.look_at(light.hit.position, lens).filter(|seen| scene.film.reaches(seen.film))?;
+    let [lens_x, lens_y, ..] = random.block(dimension::light(light.steps));
+    let seen =
+        scene.camera.look_at(light.hit.position, [lens_x, lens_y]).filter(|seen| scene.film.reaches(seen.film))?;
     let reflected = light.reflect(scene, TransportMode::Flux, seen.direction)?;
     let per_pixel = seen.pdf * scene.film.whole_pixel_count();
     // The cosine is in the value.
@@ -148,16 +160,16 @@ pub fn to_camera(
     if radiance == Rgb::ZERO {
         return None;
     }
-    counters.rays += 1;
     let origin = light.hit.offset_towards(seen.direction);
-    let length = seen.visible_distance * SHADOW_END;
-    if scene.is_hidden_from_camera(&Ray { origin, direction: seen.direction, length }) {
+    let ray = Ray { origin, direction: seen.direction, length: seen.visible_distance * SHADOW_END };
+    let passing = transmittance(scene, &joint(scene, light, ray, Blockers::Seen, random), counters);
+    if passing == Rgb::ZERO {
         return None;
     }
     let density = [per_pixel, reflected.cosine / seen.spread];
     Some(SeenVertex {
         film: seen.film,
-        radiance,
+        radiance: radiance * passing,
         density,
         reverse: light.pdf(scene, &reflected).reverse,
         sums: light.sums,

@@ -1,12 +1,16 @@
 //! Light subpaths.
 
 use super::vertex::{Vertex, reverse_pdf};
-use super::weights::{Densities, Weighting};
-use crate::math::random::{PassRandom, PathRandom, dimension};
+use super::weights::{Densities, Sums, Weighting};
+use crate::math::random::{PassRandom, PathRandom};
 use crate::scene::Scene;
-use crate::scene::geometry::Ray;
-use crate::scene::material::{Lobes, TransportMode};
-use crate::transport::{Counters, Limits, shading};
+use crate::scene::geometry::Interaction;
+use crate::scene::light::EmittedPhoton;
+use crate::scene::material::{Lobes, View};
+use crate::transport::light_path::{LightVertices, trace_light_path};
+use crate::transport::shading::Scattering;
+use crate::transport::walk::Walk;
+use crate::transport::{Counters, Limits};
 
 /// What all light subpaths of a pass share.
 #[derive(Clone, Copy)]
@@ -24,61 +28,53 @@ pub struct LightWalk<'a> {
 impl LightWalk<'_> {
     /// Traces light subpath `path` and shows each vertex with a lobe that has a density to `visit`, with the path's numbers.
     #[inline]
-    pub fn trace(
-        &self,
-        path: u32,
-        counters: &mut Counters,
-        mut visit: impl FnMut(&Vertex, &PathRandom, &mut Counters),
-    ) {
-        let scene = self.scene;
+    pub fn trace(&self, path: u32, counters: &mut Counters, visit: impl FnMut(&Vertex, &PathRandom, &mut Counters)) {
         let random = self.random.path(path);
-        counters.photons_emitted += 1;
-        let place = random.block(dimension::EMISSION);
-        let direction = random.block(dimension::EMISSION_DIRECTION);
-        let emitted = scene.lights.emit(&scene.geometry, [place[0], place[1], place[2]], [direction[0], direction[1]]);
-        let Some(emitted) = emitted else { return };
-        let peak = emitted.flux.max_element();
-        if !(peak > 0.0 && peak.is_finite()) {
-            counters.non_finite += u64::from(!peak.is_finite());
-            return;
+        let mut weighing = Weighing { walk: self, sums: Sums::default(), visit };
+        trace_light_path(self.scene, &self.limits, &random, counters, &mut weighing);
+    }
+}
+
+/// Carries along what weights need.
+struct Weighing<'a, V> {
+    walk: &'a LightWalk<'a>,
+    sums: Sums,
+    visit: V,
+}
+
+impl<V: FnMut(&Vertex, &PathRandom, &mut Counters)> LightVertices for Weighing<'_, V> {
+    #[inline(always)]
+    fn arrive(
+        &mut self,
+        walk: &Walk,
+        hit: &Interaction,
+        emitted: &EmittedPhoton,
+        random: &PathRandom,
+        counters: &mut Counters,
+    ) {
+        let LightWalk { scene, weighting, .. } = self.walk;
+        let cosine = hit.outgoing.dot(hit.geometric_normal).abs();
+        self.sums = match walk.segments {
+            1 => {
+                let first = scene.lights.first_segment(&scene.geometry, emitted, &scene.place(hit));
+                weighting.start_light(&first, cosine)
+            }
+            _ => weighting.arrive(&self.sums, hit.distance * hit.distance, cosine),
+        };
+        if scene.material(hit.shape).lobes().any(Lobes::SMOOTH) {
+            (self.visit)(&Vertex::new(walk, hit, self.sums), random, counters);
         }
-        let mut ray = Ray::new(emitted.origin, emitted.direction);
-        let (mut throughput, mut sums) = (emitted.flux, Default::default());
-        for segments in 1u32.. {
-            if !self.limits.allows(segments + 1) {
-                return;
-            }
-            counters.rays += 1;
-            let Some(hit) = scene.intersect(&ray) else { return };
-            let cosine = hit.outgoing.dot(hit.geometric_normal).abs();
-            sums = match segments {
-                1 => {
-                    let first = scene.lights.first_segment(&scene.geometry, &emitted, &scene.place(&hit));
-                    self.weighting.start_light(&first, cosine)
-                }
-                _ => self.weighting.arrive(&sums, hit.distance * hit.distance, cosine),
-            };
-            let material = scene.material(hit.shape);
-            if material.lobes().any(Lobes::SMOOTH) {
-                visit(&Vertex { hit, throughput, sums, segments }, &random, counters);
-            }
-            let u = random.block(dimension::scattering(segments));
-            let view = shading::view(&hit, TransportMode::Flux);
-            let Some(scattering) = shading::scatter(&hit, material, &view, [u[0], u[1], u[2]]) else { return };
-            throughput *= scattering.weight;
-            let survival = self.limits.survival(segments, throughput.max_element() / peak);
-            if u[3] >= survival {
-                return;
-            }
-            throughput /= survival;
-            let cosine = scattering.direction.dot(hit.geometric_normal).abs();
-            sums = if scattering.sample.is_specular() {
-                self.weighting.scatter_specular(&sums, cosine)
-            } else {
-                let reverse = reverse_pdf(scene, &hit, &view, scattering.sample.direction);
-                self.weighting.scatter(&sums, Densities { forward: scattering.sample.pdf, reverse }, cosine)
-            };
-            ray = hit.ray_to(scattering.direction);
-        }
+    }
+
+    #[inline(always)]
+    fn leave(&mut self, hit: &Interaction, view: &View, scattering: &Scattering) {
+        let LightWalk { scene, weighting, .. } = self.walk;
+        let cosine = scattering.direction.dot(hit.geometric_normal).abs();
+        self.sums = if scattering.sample.is_specular() {
+            weighting.scatter_specular(&self.sums, cosine)
+        } else {
+            let reverse = reverse_pdf(scene, hit, view, scattering.sample.direction);
+            weighting.scatter(&self.sums, Densities { forward: scattering.sample.pdf, reverse }, cosine)
+        };
     }
 }

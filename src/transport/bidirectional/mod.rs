@@ -19,7 +19,7 @@
 mod camera_walk;
 mod joining;
 mod light_walk;
-mod media_walk;
+mod media;
 mod selection;
 mod stored_vertex;
 mod vertex;

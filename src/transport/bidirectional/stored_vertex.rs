@@ -70,7 +70,9 @@ impl StoredVertex {
             partials: self.partials,
         };
         let throughput = Rgb::from_array(self.throughput);
-        Vertex { hit, throughput, sums: self.sums, segments: self.segments() }
+        let segments = self.segments();
+        // Joints look at the media of the vertex at their other end.
+        Vertex { hit, throughput, sums: self.sums, segments, steps: segments, medium: None }
     }
 
     /// Unit direction back along the light subpath.

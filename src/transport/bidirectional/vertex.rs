@@ -2,10 +2,11 @@
 
 use super::weights::{Densities, Sums};
 use crate::math::{Rgb, Vec3};
-use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::material::{TransportMode, View};
+use crate::scene::{MediumIndex, Scene};
 use crate::transport::shading;
+use crate::transport::walk::Walk;
 
 /// A vertex of a subpath.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +20,10 @@ pub struct Vertex {
     pub sums: Sums,
     /// Segments of the subpath up to here.
     pub segments: u32,
+    /// Its steps, which address random numbers.
+    pub steps: u32,
+    /// The medium that it came through.
+    pub medium: MediumIndex,
 }
 
 /// What a vertex scatters into a given direction.
@@ -51,6 +56,13 @@ pub(super) fn reverse_pdf(scene: &Scene, hit: &Interaction, view: &View, inciden
 }
 
 impl Vertex {
+    /// Where a walk came to a surface.
+    #[inline]
+    pub fn new(walk: &Walk, hit: &Interaction, sums: Sums) -> Self {
+        let Walk { throughput, segments, steps, medium, .. } = *walk;
+        Self { hit: *hit, throughput, sums, segments, steps, medium }
+    }
+
     /// What lobes with a density scatter into `direction`, a unit vector; `None` where that is nothing, or would leak through the
     /// surface.
     #[inline]

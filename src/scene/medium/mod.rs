@@ -1,0 +1,124 @@
+//! Participating media: `homogeneous` ones are the same everywhere, `heterogeneous` ones vary.
+//!
+//! | parameter | meaning | unit, range | default |
+//! |---|---|---|---|
+//! | `sigma_t` | extinction | m⁻¹, at least 0 | 1 |
+//! | `albedo` | the share of extinct light that is scattered | 0 to 1 | 0.75 |
+//! | `scale` | factor on the extinction | –, at least 0 | 1 |
+//! | a nested `phase` | where light is scattered to: `isotropic`, `hg` (`g`, -1 to 1, 0.8), `rayleigh` | – | `isotropic` |
+//!
+//! Colors may also be volumes; only `heterogeneous` media take grids.
+
+mod heterogeneous;
+mod homogeneous;
+mod phase;
+mod volume;
+
+pub use heterogeneous::Heterogeneous;
+pub use homogeneous::Homogeneous;
+pub use phase::Phase;
+
+use super::bundle::Bundle;
+use super::description::{Node, PluginClass};
+use super::error::SceneError;
+use super::fields::Fields;
+use super::geometry::Ray;
+use crate::math::Rgb;
+use crate::math::random::PathRandom;
+
+/// A medium by its index in the scene; none where there is nothing.
+pub type MediumIndex = Option<u16>;
+
+/// A medium.
+#[derive(Clone, Debug)]
+pub struct Medium {
+    kind: Kind,
+    /// Where light is scattered to.
+    pub phase: Phase,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Homogeneous(Homogeneous),
+    Heterogeneous(Box<Heterogeneous>),
+}
+
+/// What becomes of a ray in a medium.
+#[derive(Clone, Copy, Debug)]
+pub struct Flight {
+    /// After what distance it is scattered, m; `None` where it arrives.
+    pub scattered: Option<f32>,
+    /// Throughput over density.
+    pub weight: Rgb,
+}
+
+/// Random numbers of a flight.
+#[derive(Clone, Copy, Debug)]
+pub struct FlightNumbers {
+    /// One in [0, 1) that may be spread evenly.
+    pub first: f32,
+    /// As many more as it takes.
+    pub more: PathRandom,
+}
+
+/// Reads a medium.
+///
+/// # Errors
+/// Other kinds, and parameters out of range.
+pub(super) fn read(node: &Node, bundle: &Bundle) -> Result<Medium, SceneError> {
+    let varies = match node.plugin.as_str() {
+        "homogeneous" => false,
+        "heterogeneous" => true,
+        other => {
+            let problem = format!("medium \"{other}\" is not supported");
+            return Err(SceneError::new(&node.location, problem, "use \"homogeneous\" or \"heterogeneous\""));
+        }
+    };
+    let mut fields = Fields::new(node);
+    let extinction = volume::read(&mut fields, "sigma_t", 1.0, f64::INFINITY, bundle)?;
+    let albedo = volume::read(&mut fields, "albedo", 0.75, 1.0, bundle)?;
+    let scale = fields.float("scale")?.unwrap_or(1.0);
+    if scale < 0.0 {
+        return Err(fields.error("scale", format!("\"scale\" is {scale}"), "give a scale of at least 0"));
+    }
+    // They choose how Mitsuba samples.
+    fields.ignore(&["sample_emitters", "has_spectral_extinction", "majorant_resolution_factor"]);
+    let phase = fields.child(PluginClass::Phase).map_or(Ok(Phase::Isotropic), |node| phase::read(node))?;
+    fields.finish()?;
+    let scale = scale as f32;
+    let kind = match (extinction.constant(), albedo.constant()) {
+        (Some(extinction), Some(albedo)) => Kind::Homogeneous(Homogeneous::new(extinction * scale, albedo)),
+        _ if varies => Kind::Heterogeneous(Box::new(Heterogeneous::new(extinction, albedo, scale))),
+        _ => {
+            let problem = "medium \"homogeneous\" has a grid, which varies";
+            return Err(SceneError::new(&node.location, problem, "make it \"heterogeneous\""));
+        }
+    };
+    Ok(Medium { kind, phase })
+}
+
+impl Medium {
+    /// Whether all that it does is to absorb, by a share that depends on the distance alone: what every method renders.
+    pub fn only_absorbs(&self) -> bool {
+        matches!(&self.kind, Kind::Homogeneous(medium) if !medium.scatters())
+    }
+
+    /// The share of light that passes the ray's length, exact in homogeneous media and else an estimate.
+    #[inline]
+    pub fn transmittance(&self, ray: &Ray, numbers: impl FnOnce() -> PathRandom) -> Rgb {
+        match &self.kind {
+            Kind::Homogeneous(medium) => medium.transmittance(ray.length),
+            Kind::Heterogeneous(medium) => medium.transmittance(ray, &numbers()),
+        }
+    }
+
+    /// Samples how far a ray gets within its length.
+    pub fn fly(&self, ray: &Ray, numbers: impl FnOnce() -> FlightNumbers) -> Flight {
+        let (scattered, weight) = match &self.kind {
+            Kind::Homogeneous(medium) if !medium.scatters() => (None, medium.transmittance(ray.length)),
+            Kind::Homogeneous(medium) => medium.fly(ray.length, numbers().first),
+            Kind::Heterogeneous(medium) => medium.fly(ray, &numbers().more),
+        };
+        Flight { scattered, weight }
+    }
+}

@@ -1,0 +1,58 @@
+//! The one loop of paths from lights: photons, and the light subpaths of bidirectional methods.
+
+use super::counters::Counters;
+use super::limits::Limits;
+use super::shading::{self, Scattering};
+use super::walk::Walk;
+use crate::math::random::{PathRandom, dimension};
+use crate::scene::Scene;
+use crate::scene::geometry::Interaction;
+use crate::scene::light::EmittedPhoton;
+use crate::scene::material::{TransportMode, View};
+
+/// What a method does along a path from a light.
+pub trait LightVertices {
+    /// The path of the photon `emitted` comes to a surface, with `walk.throughput` as its flux.
+    fn arrive(
+        &mut self,
+        walk: &Walk,
+        hit: &Interaction,
+        emitted: &EmittedPhoton,
+        random: &PathRandom,
+        counters: &mut Counters,
+    );
+
+    /// It is scattered there, and goes on.
+    fn leave(&mut self, hit: &Interaction, view: &View, scattering: &Scattering);
+}
+
+/// Follows a photon with the numbers `random` to its end; it leaves at least one segment to the camera.
+#[inline]
+pub fn trace_light_path(
+    scene: &Scene,
+    limits: &Limits,
+    random: &PathRandom,
+    counters: &mut Counters,
+    vertices: &mut impl LightVertices,
+) {
+    counters.photons_emitted += 1;
+    let place = random.block(dimension::EMISSION);
+    let direction = random.block(dimension::EMISSION_DIRECTION);
+    let emitted = scene.lights.emit(&scene.geometry, [place[0], place[1], place[2]], [direction[0], direction[1]]);
+    let Some(emitted) = emitted else { return };
+    let Some(mut walk) = Walk::from_light(scene, &emitted, random, counters) else { return };
+    while limits.allows(walk.segments + 2) {
+        let Some(hit) = walk.step(scene, random, counters).surface() else { return };
+        vertices.arrive(&walk, &hit, &emitted, random, counters);
+        let u = random.block(dimension::scattering(walk.segments));
+        let view = shading::view(&hit, TransportMode::Flux);
+        let Some(scattering) = shading::scatter(&hit, scene.material(hit.shape), &view, [u[0], u[1], u[2]]) else {
+            return;
+        };
+        walk.follow(scene, &hit, &scattering);
+        if !walk.survives(limits, u[3]) {
+            return;
+        }
+        vertices.leave(&hit, &view, &scattering);
+    }
+}

@@ -1,0 +1,92 @@
+//! How much light passes from one point to another.
+
+use super::{Counters, shading};
+use crate::math::Rgb;
+use crate::math::random::{PathRandom, dimension};
+use crate::scene::geometry::Ray;
+use crate::scene::material::TransportMode;
+use crate::scene::{MediumIndex, Scene};
+
+/// Rays to lights end this share before the light, so that rounding does not let the light hide itself.
+pub const SHADOW_END: f32 = 1.0 - 1.0 / 65_536.0;
+/// The most surfaces that light is sampled through: what is left is lost in rounding.
+const MOST_PASSED: u32 = dimension::FLIGHTS;
+
+/// Which surfaces are in the way of light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Blockers {
+    /// All.
+    All,
+    /// Those that the camera sees.
+    Seen,
+    /// Those that nothing passes straight on: light goes through panes, holes of masks and the borders of media.
+    Turning,
+}
+
+/// A straight line between two points that a path joins.
+#[derive(Clone, Copy, Debug)]
+pub struct Joint<'a> {
+    /// From one to the other.
+    pub ray: Ray,
+    /// The medium that it begins in.
+    pub medium: MediumIndex,
+    /// What is in the way.
+    pub blockers: Blockers,
+    /// The random numbers of the path; media that vary are tracked with them.
+    pub random: &'a PathRandom,
+    /// The step of the path at which it is joined.
+    pub step: u32,
+}
+
+/// The share of light that passes: 0 where something is in the way, less than 1 where a medium is.
+#[inline]
+pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) -> Rgb {
+    if joint.blockers == Blockers::Turning {
+        return through_surfaces(scene, joint, counters);
+    }
+    counters.rays += 1;
+    let is_blocked = match joint.blockers {
+        Blockers::Seen => scene.is_hidden_from_camera(&joint.ray),
+        _ => scene.geometry.is_blocked(&joint.ray),
+    };
+    match is_blocked {
+        true => Rgb::ZERO,
+        false if joint.medium.is_none() => Rgb::ONE,
+        false => through_medium(scene, joint, joint.medium, &joint.ray, 0),
+    }
+}
+
+/// The share that a medium lets pass on the part of a joint behind `passed` surfaces.
+#[cold]
+fn through_medium(scene: &Scene, joint: &Joint<'_>, medium: MediumIndex, ray: &Ray, passed: u32) -> Rgb {
+    let numbers = || joint.random.branch(dimension::joint(joint.step, passed));
+    scene.medium(medium).map_or(Rgb::ONE, |medium| medium.transmittance(ray, numbers))
+}
+
+#[inline(never)]
+fn through_surfaces(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) -> Rgb {
+    let Joint { mut ray, mut medium, .. } = *joint;
+    let direction = ray.direction;
+    let mut passing = Rgb::ONE;
+    for passed in 0..MOST_PASSED {
+        counters.rays += 1;
+        let found = scene.intersect(&ray);
+        let distance = found.as_ref().map_or(ray.length, |hit| hit.distance);
+        if medium.is_some() {
+            passing *= through_medium(scene, joint, medium, &Ray { length: distance, ..ray }, passed);
+        }
+        let Some(hit) = found else { return passing };
+        let view = shading::view(&hit, TransportMode::Radiance);
+        let lobes = scene.material(hit.shape).specular_lobes(&view);
+        let Some(straight) = lobes.iter().flatten().find(|lobe| lobe.direction == -view.outgoing) else {
+            return Rgb::ZERO;
+        };
+        passing *= straight.weight;
+        if passing == Rgb::ZERO {
+            return passing;
+        }
+        medium = scene.medium_beyond(&hit, direction, medium);
+        ray = Ray { length: ray.length - distance, ..hit.ray_to(direction) };
+    }
+    Rgb::ZERO
+}
