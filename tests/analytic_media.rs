@@ -108,6 +108,15 @@ fn analytic_media_absorb_and_keep_what_they_scatter() {
     }
 }
 
+/// Mitsuba's `path` sees no media, and says nothing; its `volpath` does.
+#[test]
+fn integrators_without_media_leave_them_out() {
+    let content = cube_of(&homogeneous("<rgb name='albedo' value='0'/>")).replace("volpath", "path");
+    let scene = scene(&content);
+    assert!(scene.notices.iter().any(|notice| notice.contains("\"volpath\" renders them")), "{:?}", scene.notices);
+    assert_near("path", render(&scene, "path", 4), [1.0; 3], 1e-5);
+}
+
 #[test]
 fn media_are_refused_by_methods_that_do_not_render_them() {
     let scene = scene(&cube_of(&homogeneous("")));

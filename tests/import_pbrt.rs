@@ -349,11 +349,11 @@ fn pbrt_errors_name_file_line_and_remedy() {
 #[test]
 fn pbrt_losses_are_told() {
     let scene = world(
-        "MakeNamedMedium \"fog\"\nMaterial \"diffuse\" \"string normalmap\" \"n.png\"\nShape \"sphere\" \"float fuzz\" 3\n\
+        "MakeNamedMedium \"fog\" \"string type\" \"cloud\"\nMaterial \"diffuse\" \"string normalmap\" \"n.png\"\nShape \"sphere\" \"float fuzz\" 3\n\
          Shape \"curve\"\nAreaLightSource \"diffuse\" \"float fuzz\" 3\n",
     );
     let expected = [
-        "scene.pbrt:3 (MakeNamedMedium): MakeNamedMedium is ignored",
+        "scene.pbrt:3 (MakeNamedMedium): a medium \"cloud\" is ignored",
         "scene.pbrt:4 (Material): parameter \"normalmap\" of material \"diffuse\" is ignored",
         "scene.pbrt:5 (Shape): parameter \"fuzz\" of shape \"sphere\" is ignored",
         "scene.pbrt:6 (Shape): shape \"curve\" is ignored",
@@ -363,6 +363,19 @@ fn pbrt_losses_are_told() {
     for notice in expected {
         assert!(told.contains(notice), "{told}");
     }
+}
+
+#[test]
+fn pbrt_media_lie_between_shapes() {
+    let medium = "MakeNamedMedium \"tea\" \"string type\" \"homogeneous\" \"rgb sigma_a\" [1 2 3] \"rgb sigma_s\" [3 2 0] \"float g\" .5\n\
+                  MediumInterface \"tea\" \"\"\nShape \"sphere\"\nMediumInterface \"\" \"\"\nShape \"sphere\"\n";
+    let scene = world(medium);
+    let media = of_class(&scene, PluginClass::Medium);
+    assert_eq!(media, ["homogeneous(sigma_t=4.000 4.000 3.000, albedo=0.750 0.500 0.000, scale=1.000, hg(g=0.500))"]);
+    let shapes = of_class(&scene, PluginClass::Shape);
+    assert!(shapes[0].contains("interior:homogeneous") && !shapes[1].contains("homogeneous"), "{shapes:?}");
+    assert!(of_class(&scene, PluginClass::Integrator)[0].starts_with("volpath"));
+    assert!(error("WorldBegin\nMediumInterface \"tee\" \"\"").contains("there is no medium \"tee\""));
 }
 
 #[test]

@@ -7,7 +7,7 @@ mod description_tree;
 use description_tree::tree;
 use photonfarm::import::load_bytes;
 use photonfarm::scene::Scene;
-use photonfarm::scene::description::{Node, SceneDescription, Value};
+use photonfarm::scene::description::{Node, PluginClass, SceneDescription, Value};
 
 fn load(text: &str) -> SceneDescription {
     load_bytes("scene.xml", text.as_bytes(), &[]).unwrap_or_else(|error| panic!("{error}"))
@@ -187,6 +187,38 @@ fn references_follow_what_took_the_place_of_their_plugin() {
     assert_eq!(*value(&bsdf(3), "reflectance"), Value::Rgb([0.5; 3]));
     let told = notices(&scene);
     assert_eq!(told.lines().count(), 3, "{told}");
+    assert!(told.contains("a medium that is named by its material"), "{told}");
+}
+
+#[test]
+fn media_have_extinction_and_albedo() {
+    let before = old("<integrator type='bdpt'><integer name='maxDepth' value='9'/></integrator>\
+         <medium type='homogeneous' id='milk'><rgb name='sigmaA' value='1, 2, 3'/><rgb name='sigmaS' value='3, 2, 0'/>\
+         <phase type='hg'><float name='g' value='0.5'/></phase></medium>\
+         <medium type='heterogeneous' id='smoke'><string name='method' value='woodcock'/>\
+         <volume type='constvolume' name='density'><float name='value' value='2'/></volume>\
+         <volume type='constvolume' name='albedo'><rgb name='value' value='.5,.6,.7'/></volume></medium>\
+         <shape type='cube'><ref name='interior' id='milk'/></shape><shape type='sphere'><ref name='interior' id='smoke'/></shape>");
+    let after = new("<integrator type='volpath'><integer name='max_depth' value='9'/></integrator>\
+         <medium type='homogeneous' id='milk'><rgb name='sigma_t' value='4, 4, 3'/><rgb name='albedo' value='.75, .5, 0'/>\
+         <phase type='hg'><float name='g' value='0.5'/></phase></medium>\
+         <medium type='heterogeneous' id='smoke'>\
+         <volume type='constvolume' name='sigma_t'><float name='value' value='2'/></volume>\
+         <volume type='constvolume' name='albedo'><rgb name='value' value='.5,.6,.7'/></volume></medium>\
+         <shape type='cube'><ref name='interior' id='milk'/><bsdf type='null'/></shape>\
+         <shape type='sphere'><ref name='interior' id='smoke'/><bsdf type='null'/></shape>");
+    let parameters_sorted = |description| {
+        let tree: String = tree(description);
+        let mut lines: Vec<&str> = tree.lines().collect();
+        lines.sort_unstable();
+        lines.join("\n")
+    };
+    assert_eq!(parameters_sorted(&before), parameters_sorted(&after));
+    assert!(notices(&before).contains("a \"volpath\" takes its place"), "{}", notices(&before));
+    let passing = old("<integrator type='sppm'/><shape type='cube'><medium type='homogeneous' name='interior'>\
+         <float name='sigmaT' value='1'/><float name='albedo' value='0.5'/></medium></shape>");
+    assert!(notices(&passing).contains("passes through them"), "{}", notices(&passing));
+    assert!(passing.root.children[1].node.children.iter().all(|child| child.node.class != PluginClass::Medium));
 }
 
 #[test]

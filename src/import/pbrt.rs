@@ -11,6 +11,7 @@ mod directives;
 mod goniometric;
 mod light;
 mod material;
+mod medium;
 mod mesh;
 mod options;
 mod output;
@@ -34,6 +35,7 @@ use crate::scene::description::PluginClass;
 use crate::scene::error::{Location, SceneError, nearest_name};
 use attributes::{Attributes, inverse};
 use material::Material;
+use medium::Media;
 use options::{Directive, Options};
 use output::Output;
 use parameters::Parameters;
@@ -79,8 +81,8 @@ pub(super) fn read(
         let problem = "the file ends before an AttributeBegin, TransformBegin or ObjectBegin does";
         return Err(SceneError::new(location, problem, "make sure that the file is complete"));
     }
-    let Reader { mut output, options, objects, .. } = reader;
-    let plugins = options.plugins(location, &mut output)?;
+    let Reader { mut output, options, objects, media, .. } = reader;
+    let plugins = options.plugins(location, media.used, &mut output)?;
     for (_, Object { id, location, shapes }) in objects {
         let group = Draft { id, ..Draft::new(PluginClass::Shape, "shapegroup", &location) };
         let group = shapes.into_iter().fold(group, |group, shape| group.with_child("", shape));
@@ -102,6 +104,7 @@ struct Reader<'a> {
     attributes: Attributes,
     textures: Textures,
     materials: HashMap<String, Material>,
+    media: Media,
     systems: HashMap<String, DMat4>,
     objects: BTreeMap<String, Object>,
     /// The object that is being made.
@@ -121,6 +124,7 @@ impl<'a> Reader<'a> {
             attributes: Attributes::default(),
             textures: Textures::default(),
             materials: HashMap::new(),
+            media: Media::default(),
             systems: HashMap::new(),
             objects: BTreeMap::new(),
             object: None,
@@ -190,7 +194,27 @@ impl<'a> Reader<'a> {
             }
             "Camera" | "Film" | "PixelFilter" | "Integrator" => self.option(directive, tokens, place),
             "Sampler" | "Accelerator" | "Option" | "ColorSpace" => self.pass_over(directive, tokens, place),
-            "Attribute" | "MakeNamedMedium" | "MediumInterface" => self.leave_out(directive, tokens, place),
+            "Attribute" => {
+                string(tokens, &place)?;
+                self.output.ignored(&place, directive, "its parameters count at each directive only");
+                Parameters::read(tokens, place).map(drop)
+            }
+            "MakeNamedMedium" => {
+                let (name, parameters) = named(tokens, place)?;
+                self.check_names(self.media.len(), &parameters.place)?;
+                self.media.make(&name, &parameters, &mut self.output)
+            }
+            "MediumInterface" => {
+                let inside = string(tokens, &place)?;
+                let outside = tokens.next_if_quoted()?.unwrap_or_else(|| inside.clone());
+                let media = [self.media.find(&inside, &place)?, self.media.find(&outside, &place)?];
+                if self.options.has_method("sppm") && media != [None, None] {
+                    self.output.ignored(&place, directive, "\"sppm\" passes through media");
+                } else {
+                    self.attributes.current.media = media;
+                }
+                Ok(())
+            }
             "Material" | "MakeNamedMaterial" | "NamedMaterial" => self.material(directive, tokens, place),
             "Texture" => {
                 let names = [string(tokens, &place)?, string(tokens, &place)?, string(tokens, &place)?];
@@ -260,6 +284,7 @@ impl<'a> Reader<'a> {
             _ => {
                 self.systems.insert("camera".to_owned(), inverse(transform));
                 self.options.camera = option.map(|camera| (camera, transform));
+                self.options.camera_medium = self.attributes.current.media[1].clone();
             }
         }
         Ok(())
@@ -289,21 +314,6 @@ impl<'a> Reader<'a> {
         }
         while tokens.next()?.ok_or_else(missing)? != Token::Close {}
         Ok(())
-    }
-
-    /// Directives that have no counterpart.
-    fn leave_out(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {
-        let first = string(tokens, &place)?;
-        let explanation = match directive {
-            "Attribute" => "its parameters count at each directive only",
-            _ => "there are no media: light passes freely",
-        };
-        let second = if directive == "MediumInterface" { tokens.next_if_quoted()? } else { None };
-        let vacuum = directive == "MediumInterface" && first.is_empty() && second.is_none_or(|name| name.is_empty());
-        if !vacuum {
-            self.output.ignored(&place, directive, explanation);
-        }
-        Parameters::read(tokens, place).map(drop)
     }
 
     fn material(&mut self, directive: &str, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {

@@ -5,6 +5,7 @@
 //! | `moment`, `aov`, `stokes` | the integrator inside counts; moments, layers and polarisation are not rendered |
 //! | `direct` | `max_depth` 2; `emitter_samples` or `bsdf_samples` of 0 leave out that kind of sampling, other counts change nothing but noise |
 //! | `prb`, `prb_basic`, `prbvolpath` | `max_depth` 6 unless it is given |
+//! | `path`, `direct`, `ptracer`, `prb`, `prb_basic` | the scene has no media: Mitsuba's know none. `volpath` renders them |
 //! | all | `hide_emitters` belongs to the scene: every method keeps to it. `samples_per_pass`, `block_size` and `timeout` steer how Mitsuba works and change no picture |
 //!
 //! All other parameters go to the method, which takes or refuses them.
@@ -27,11 +28,14 @@ pub struct Integrator {
 }
 
 /// What an integrator node asks for.
+#[derive(Default)]
 pub(super) struct Asked {
     /// The method; none where the scene asks for layers alone.
     pub integrator: Option<Integrator>,
     /// Its `hide_emitters`.
     pub hides_lights: bool,
+    /// Whether it passes through media as if there were none.
+    pub ignores_media: bool,
     /// What is not done.
     pub notices: Vec<Notice>,
 }
@@ -41,6 +45,8 @@ const WRAPPERS: [(&str, &str); 3] =
     [("moment", "second moments"), ("aov", "layers by an integrator"), ("stokes", "polarisation")];
 /// Parameters of all integrators that change no picture.
 const IGNORED: [&str; 3] = ["samples_per_pass", "block_size", "timeout"];
+/// Integrators that know no media.
+const WITHOUT_MEDIA: [&str; 5] = ["path", "direct", "ptracer", "prb", "prb_basic"];
 /// Integrators that Mitsuba limits to 6 segments by default.
 const LIMITED: [&str; 3] = ["prb", "prb_basic", "prbvolpath"];
 
@@ -70,7 +76,7 @@ fn read_wrapper(node: &Node, name: &str, makes: &str) -> Result<Asked, SceneErro
     };
     let notice = Notice::ignored(&node.location, format!("integrator \"{name}\""), explanation);
     let inner = inner.map(|inner| read(inner)).transpose()?;
-    let mut asked = inner.unwrap_or(Asked { integrator: None, hides_lights: false, notices: Vec::new() });
+    let mut asked = inner.unwrap_or_default();
     asked.hides_lights |= hides_lights;
     asked.notices.insert(0, notice);
     Ok(asked)
@@ -106,8 +112,9 @@ fn read_plain(node: &Node) -> Result<Asked, SceneError> {
     } else if LIMITED.contains(&node.plugin.as_str()) {
         parameters.entry("max_depth").or_insert_with(|| 6.into());
     }
+    let ignores_media = WITHOUT_MEDIA.contains(&node.plugin.as_str());
     let integrator = Integrator { name: node.plugin.clone(), parameters };
-    Ok(Asked { integrator: Some(integrator), hides_lights, notices: Vec::new() })
+    Ok(Asked { integrator: Some(integrator), hides_lights, ignores_media, notices: Vec::new() })
 }
 
 fn plain_parameters(node: &Node) -> Result<Map<String, Json>, SceneError> {

@@ -107,8 +107,13 @@ impl Scene {
             SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
         })?;
         let (film, camera, around) = read_sensor(sensor)?;
-        let camera_medium = around.map(|node| builder.medium(node)).transpose()?;
+        let mut camera_medium = around.map(|node| builder.medium(node)).transpose()?;
         let asked = fields.child(PluginClass::Integrator).map(|node| integrator::read(node)).transpose()?;
+        let asked = asked.unwrap_or_default();
+        if asked.ignores_media {
+            camera_medium = None;
+            builder.leave_out_media(&root.location);
+        }
         let (ownerless, emitters): (Vec<_>, Vec<_>) =
             fields.children(PluginClass::Emitter).into_iter().partition(|node| node.plugin == "area");
         for node in ownerless {
@@ -128,13 +133,7 @@ impl Scene {
         fields.finish()?;
         let Builder { mut textures, shapes, area_lights, seen_only, materials, media, boundaries, .. } = builder;
         let (instancing, mut notices) = (builder.instancing, builder.notices);
-        let (integrator, hides_lights) = match asked {
-            Some(asked) => {
-                notices.extend(asked.notices.iter().map(ToString::to_string));
-                (asked.integrator, asked.hides_lights)
-            }
-            None => (None, false),
-        };
+        notices.extend(asked.notices.iter().map(ToString::to_string));
         let (geometry, members) = Geometry::build(shapes);
         let mut geometry = instancing.add_to(geometry);
         let mut lights = Vec::new();
@@ -153,8 +152,8 @@ impl Scene {
             materials,
             turns_normals,
             lights,
-            hides_lights,
-            integrator,
+            hides_lights: asked.hides_lights,
+            integrator: asked.integrator,
             notices,
             media: media.into(),
             boundaries: boundaries.into(),

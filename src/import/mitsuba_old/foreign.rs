@@ -2,7 +2,7 @@
 
 use super::super::draft::Draft;
 use super::rules::new_name;
-use super::{Outcome, RULES, Translation, light_and_shape, materials};
+use super::{Outcome, RULES, Translation, light_and_shape, materials, media};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::{SceneError, closest_name, nearest_name};
 
@@ -74,9 +74,9 @@ pub(super) fn translate(mut draft: Draft, translation: &mut Translation) -> Resu
             translation.approximated(&draft, subject, "a grey of 0.5 takes its place");
             Ok(Outcome::Value(Value::Rgb([0.5; 3])))
         }
-        PluginClass::Scene | PluginClass::Medium | PluginClass::Phase | PluginClass::Volume => {
-            Err(unknown(&draft, &known))
-        }
+        PluginClass::Phase => media::phase(draft, translation),
+        PluginClass::Medium | PluginClass::Volume => media::without_counterpart(draft, translation),
+        PluginClass::Scene => Err(unknown(&draft, &known)),
     }
 }
 

@@ -6,17 +6,13 @@ use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::SceneError;
 
 /// A shape: without a bsdf it is black where it emits, and nothing but a border where it holds a medium.
-pub(super) fn shape(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
-    let mut medium = translation.media.contains(&draft.location.path);
-    draft.children.retain(|child| {
-        let border = ["interior", "exterior"].contains(&child.name.as_str());
-        medium |= border;
-        !(border && matches!(child.target, Target::Reference(_)))
-    });
+pub(super) fn shape(mut draft: Draft, _: &mut Translation) -> Result<Outcome, SceneError> {
+    let medium = draft.children.iter().any(|child| ["interior", "exterior"].contains(&child.name.as_str()));
     let is = |class: PluginClass| {
         draft.children.iter().any(|child| matches!(&child.target, Target::Plugin(plugin) if plugin.class == class))
     };
-    let (emits, referring) = (is(PluginClass::Emitter), draft.children.iter().any(|child| child.is_reference()));
+    let referring = draft.children.iter().any(|child| child.is_reference() && child.name.is_empty());
+    let emits = is(PluginClass::Emitter);
     if !is(PluginClass::Bsdf) && !referring && (emits || medium) {
         let mut bsdf = draft.beside(PluginClass::Bsdf, if emits { "diffuse" } else { "null" });
         if emits {

@@ -11,6 +11,7 @@ mod color;
 mod foreign;
 mod light_and_shape;
 mod materials;
+mod media;
 mod obj_materials;
 mod rules;
 pub(super) mod spectrum;
@@ -36,8 +37,6 @@ pub(super) use xml::class_of_tag;
 pub(super) struct Old {
     /// The ids inside tags that were passed over.
     pub passed_over: BTreeSet<String>,
-    /// The paths of plugins that held a `<medium>`.
-    pub media: BTreeSet<String>,
 }
 
 /// What became of a plugin.
@@ -65,14 +64,15 @@ pub(super) fn translate(
     obj_materials::split(&mut reading, bundle);
     let Reading { mut root, aliases, includes, notices } = reading;
     let gone = old.passed_over.into_iter().map(|id| (id, None)).collect();
-    let mut translation = Translation { version, notices, aliases, gone, media: old.media };
+    let mut translation = Translation { version, notices, aliases, gone };
     translation.children(&mut root)?;
     let Translation { mut notices, mut aliases, gone, .. } = translation;
+    remove_references(&mut root, &gone);
+    media::settle(&mut root, &mut notices);
     // In the order of the files, whichever step found what.
     let files: BTreeMap<&str, usize> = includes.iter().map(|(name, _)| name.as_str()).zip(0..).collect();
     notices.sort_by_key(|notice| (files.get(notice.location.file.as_str()).copied(), notice.location.line));
     aliases.retain(|alias| !gone.contains_key(&alias.known));
-    remove_references(&mut root, &gone);
     Ok(Reading { root, aliases, includes, notices })
 }
 
@@ -82,7 +82,6 @@ struct Translation {
     aliases: Vec<Alias>,
     /// The ids of plugins that nothing, or a plain value, took the place of.
     gone: BTreeMap<String, Option<Value>>,
-    media: BTreeSet<String>,
 }
 
 impl Translation {

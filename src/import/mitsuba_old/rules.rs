@@ -4,10 +4,10 @@ use super::super::draft::Draft;
 use super::cameras_and_methods as camera;
 use super::light_and_shape as light;
 use super::materials as material;
-use super::textures as texture;
 use super::{Outcome, Translation};
+use super::{media, textures as texture};
 use crate::scene::description::PluginClass::{
-    self, Bsdf, Emitter, Film, Integrator, ReconstructionFilter, Sampler, Sensor, Shape, Texture,
+    self, Bsdf, Emitter, Film, Integrator, Medium, Phase, ReconstructionFilter, Sampler, Sensor, Shape, Texture, Volume,
 };
 use crate::scene::error::SceneError;
 
@@ -265,6 +265,19 @@ pub(super) const RULES: &[Rule] = &[
     plain(Integrator, "volpath", PATH),
     changed(Integrator, ["volpath_simple", "volpath"], PATH, &[], same),
     changed(Integrator, ["vpl", "path"], DEPTHS, &["shadowMapResolution", "clamping"], camera::other_method),
+
+    changed(Medium, ["heterogeneous", "heterogeneous"], &["scale"], &["density", "method"], media::heterogeneous),
+    changed(Medium, ["homogeneous", "homogeneous"], &["sigmaT", "albedo", "scale"], &["sigmaA", "sigmaS", "material"], media::homogeneous),
+    plain(Phase, "hg", &["g"]),
+    plain(Phase, "isotropic", &[]),
+    changed(Phase, ["kkay", "isotropic"], &[], &["ks", "kd", "exponent"], media::phase),
+    changed(Phase, ["microflake", "isotropic"], &[], &["stddev"], media::phase),
+    changed(Phase, ["mixturephase", "isotropic"], &[], &["weights"], media::phase),
+    plain(Phase, "rayleigh", &[]),
+    plain(Volume, "constvolume", &["value"]),
+    changed(Volume, ["gridvolume", "gridvolume"], &["filename", "toWorld"], &["sendData"], media::grid),
+    changed(Volume, ["hgridvolume", ""], &[], &["filename", "prefix", "postfix"], media::without_counterpart),
+    changed(Volume, ["volcache", ""], &[], &["blockSize", "voxelWidth", "memoryLimit"], media::cached),
 ];
 
 #[cfg(test)]

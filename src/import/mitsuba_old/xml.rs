@@ -14,11 +14,8 @@ use crate::scene::error::{SceneError, closest_name};
 use crate::scene::notice::Notice;
 
 /// Tags that Mitsuba 0.6 knows and that have no counterpart, with what becomes of the scene without them.
-const PASSED_OVER: [(&str, &str); 5] = [
-    ("medium", "there are no participating media: light passes through unchanged"),
+const PASSED_OVER: [(&str, &str); 2] = [
     ("subsurface", "there is no subsurface scattering: the surface reflects as its bsdf does"),
-    ("phase", "there are no participating media"),
-    ("volume", "there are no participating media"),
     ("null", "it stands for nothing"),
 ];
 
@@ -27,8 +24,6 @@ pub(in super::super) fn class_of_tag(tag: &str) -> Option<PluginClass> {
     match tag {
         "camera" => Some(PluginClass::Sensor),
         "luminaire" => Some(PluginClass::Emitter),
-        // They are passed over.
-        "medium" | "phase" | "volume" => None,
         _ => plugins::class_of_tag(tag),
     }
 }
@@ -99,9 +94,6 @@ impl Reader<'_> {
         let reason = known.map_or("Mitsuba does not know this tag", |(_, reason)| reason);
         let shown: String = tag.chars().take(60).collect();
         self.notices.push(Notice::ignored(&place, format!("the <{shown}>"), reason));
-        if tag == "medium" {
-            self.old.media.insert(place.path);
-        }
         let ids = element.descendants().filter_map(|part| part.attribute("id"));
         self.old.passed_over.extend(ids.map(str::to_owned));
         Ok(())

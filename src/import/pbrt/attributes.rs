@@ -6,6 +6,7 @@ use super::super::transform;
 use super::super::values::shown;
 use super::light::AreaSource;
 use super::material::Material;
+use super::medium::MediumId;
 use super::text::{Token, Tokens};
 use crate::scene::error::{Location, SceneError};
 
@@ -23,6 +24,8 @@ pub(super) struct Surface {
     pub light: Option<AreaSource>,
     /// Whether the outside is turned round.
     pub reverse: bool,
+    /// The media inside and outside of shapes; the camera stands in the one outside.
+    pub media: [MediumId; 2],
 }
 
 /// What is current, and what comes back when a block ends.
@@ -34,8 +37,14 @@ pub(super) struct Attributes {
 
 impl Default for Attributes {
     fn default() -> Self {
-        let current =
-            Surface { transform: DMat4::IDENTITY, at_start: true, material: None, light: None, reverse: false };
+        let current = Surface {
+            transform: DMat4::IDENTITY,
+            at_start: true,
+            material: None,
+            light: None,
+            reverse: false,
+            media: [None, None],
+        };
         Self { current, saved: Vec::new() }
     }
 }

@@ -5,6 +5,7 @@ use glam::DMat4;
 use super::super::draft::Draft;
 use super::super::values::shown;
 use super::camera;
+use super::medium::MediumId;
 use super::output::{Output, with_integer};
 use super::parameters::Parameters;
 use crate::scene::description::PluginClass;
@@ -24,20 +25,38 @@ pub(super) struct Options {
     pub film: Option<Directive>,
     pub filter: Option<Directive>,
     pub integrator: Option<Directive>,
+    /// The id of the medium that the camera stands in.
+    pub camera_medium: MediumId,
 }
 
 impl Options {
-    /// The sensor and the integrator.
+    /// Whether the integrator has this name.
+    pub(super) fn has_method(&self, name: &str) -> bool {
+        self.integrator.as_ref().is_some_and(|integrator| integrator.name == name)
+    }
+
+    /// The sensor and the integrator, of a scene in which shapes separate media or none do.
     ///
     /// # Errors
     /// Without a camera; as [`camera::sensor`].
-    pub(super) fn plugins(&self, place: &Location, output: &mut Output<'_>) -> Result<[Draft; 2], SceneError> {
+    pub(super) fn plugins(
+        &self,
+        place: &Location,
+        has_media: bool,
+        output: &mut Output<'_>,
+    ) -> Result<[Draft; 2], SceneError> {
         let Some((camera, from_world)) = &self.camera else {
             let remedy = "add a Camera before WorldBegin, and pass the main file, not an included one";
             return Err(SceneError::new(place, "the scene has no Camera", remedy));
         };
         let film = self.film(place, output)?;
-        Ok([camera::sensor(camera, *from_world, film, output)?, self.method(place, output)?])
+        let sensor = camera::sensor(camera, *from_world, film, output)?;
+        let sensor = match &self.camera_medium {
+            Some(id) => sensor.with_reference(id),
+            None => sensor,
+        };
+        let has_media = has_media || self.camera_medium.is_some();
+        Ok([sensor, self.method(place, has_media, output)?])
     }
 
     /// The film, and the size of the whole picture, pixels.
@@ -133,18 +152,20 @@ impl Options {
     }
 
     /// pbrt counts how often light is scattered, photonfarm the segments of its path: one more.
-    fn method(&self, place: &Location, output: &mut Output<'_>) -> Result<Draft, SceneError> {
+    fn method(&self, place: &Location, has_media: bool, output: &mut Output<'_>) -> Result<Draft, SceneError> {
         const DEPTH: i64 = 5;
         let draft = |name: &str, place: &Location| Draft::new(PluginClass::Integrator, name, place);
+        let volumetric = if has_media { "volpath" } else { "path" };
         let Some(Directive { name, parameters }) = &self.integrator else {
-            return Ok(with_integer(draft("path", place), "max_depth", DEPTH + 1));
+            return Ok(with_integer(draft(volumetric, place), "max_depth", DEPTH + 1));
         };
         let place = &parameters.place;
         let (plugin, replaced) = match name.as_str() {
-            "path" => ("path", false),
+            "path" | "simplepath" => ("path", false),
+            "volpath" | "simplevolpath" => (volumetric, name == "simplevolpath"),
+            "bdpt" | "mlt" if has_media => (volumetric, true),
             "bdpt" => ("bdpt", false),
             "sppm" => ("sppm", false),
-            "volpath" | "simplepath" | "simplevolpath" => ("path", name == "simplevolpath"),
             "lightpath" => ("ptracer", false),
             "mlt" => ("bdpt", true),
             "ao" | "ambientocclusion" | "function" | "randomwalk" => ("path", true),

@@ -24,7 +24,7 @@ impl Reader<'_> {
     pub(super) fn shape(&mut self, tokens: &mut Tokens<'_>, place: Location) -> Result<(), SceneError> {
         let (kind, parameters) = named(tokens, place)?;
         let place = &parameters.place;
-        let Surface { material, light, reverse, .. } = self.attributes.current.clone();
+        let Surface { material, light, reverse, media, .. } = self.attributes.current.clone();
         let opacity = self.textures.number(&parameters, "alpha")?;
         let textured = material.as_ref().is_some_and(|material| material.textured);
         let textured = textured || opacity.as_ref().is_some_and(Ink::is_texture);
@@ -44,6 +44,7 @@ impl Reader<'_> {
                 shape.with_child("", mask)
             }
         };
+        shape = self.media.between(shape, &media);
         let object = self.object.as_ref().and_then(|name| self.objects.get_mut(name));
         match (light, object) {
             (Some(_), Some(object)) => {

@@ -10,6 +10,7 @@ use crate::scene::fields::Fields;
 use crate::scene::geometry::surface::NO_BOUNDARY;
 use crate::scene::geometry::{Interaction, Ray};
 use crate::scene::medium::{self, Medium, MediumIndex};
+use crate::scene::notice::Notice;
 
 /// The most surfaces behind which a medium is looked for.
 const MOST_PASSED: usize = 1024;
@@ -62,6 +63,16 @@ impl Scene {
 }
 
 impl Builder<'_> {
+    /// Renders a scene with media as if there were none.
+    pub(super) fn leave_out_media(&mut self, place: &Location) {
+        if self.media.is_empty() {
+            return;
+        }
+        (self.media, self.boundaries) = (Vec::new(), Vec::new());
+        let explanation = "the scene's integrator passes through them as if there were none; \"volpath\" renders them";
+        self.notices.push(Notice::ignored(place, "the scene's participating media", explanation).to_string());
+    }
+
     /// The index of a medium.
     pub(super) fn medium(&mut self, node: &Arc<Node>) -> Result<u16, SceneError> {
         let address = Arc::as_ptr(node);
