@@ -13,8 +13,10 @@ use std::sync::Arc;
 use gltf_file::{GltfFile, Numbers};
 use photonfarm::import::changes::{Changes, Crop, Environment, with_changes};
 use photonfarm::import::{load_bytes, load_changed, load_file, native};
+use photonfarm::math::Vec3;
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::SceneDescription;
+use photonfarm::scene::light::Place;
 use progressive::Job;
 use serde_json::{Value, json};
 
@@ -454,6 +456,37 @@ fn gzip(content: &[u8]) -> Vec<u8> {
 
 const PBRT_VIEW: &str = "LookAt 0 1.2 4  0 .4 0  0 1 0\nCamera \"perspective\" \"float fov\" 45\n\
     Film \"rgb\" \"integer xresolution\" 16 \"integer yresolution\" 16\nPixelFilter \"box\"\nWorldBegin\n";
+
+/// The image of an infinite light is red towards its own +x, green towards +y and blue towards +z, which stands upright here.
+#[test]
+fn pbrt_skies_have_their_directions() {
+    let diamond = |column: u32, row: u32| {
+        column.abs_diff(31).min(column.abs_diff(32)) + row.abs_diff(31).min(row.abs_diff(32)) < 31
+    };
+    let on = |lit: bool| if lit { 255 } else { 0 };
+    let octants = png(64, |column, row| [on(column > 31), on(row > 31), on(diamond(column, row))]);
+    let sky = |light: &str| {
+        let world = format!(
+            "{PBRT_VIEW}AttributeBegin\nRotate -90 1 0 0\nLightSource \"infinite\" \"string filename\" \"sky.png\" {light}\n\
+             AttributeEnd\nShape \"sphere\"\n"
+        );
+        prepared(&in_folder("scene.pbrt", &world, &[("sky.png", &octants)]))
+    };
+    let scene = sky("\"float scale\" 2");
+    for index in 0..8 {
+        let sign = |bit: u32| if index >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        let own = Vec3::new(0.5 * sign(0), 0.4 * sign(1), 0.6 * sign(2)).normalize();
+        let world = Vec3::new(own.x, own.z, -own.y);
+        let (radiance, _) = scene.lights.environment(&Place::from(Vec3::ZERO), world).expect("a sky");
+        let right = [0, 1, 2].map(|bit| 1.0 + sign(bit));
+        assert!(radiance.abs_diff_eq(right.into(), 0.02), "{own}: {radiance} is not {right:?}");
+    }
+    // Blue is the upper half, of irradiance π times its radiance; red and green are half of that each.
+    let scene = sky("\"float illuminance\" 10");
+    let (radiance, _) = scene.lights.environment(&Place::from(Vec3::ZERO), Vec3::Y).expect("a sky");
+    let luminance = 0.2126 / 2.0 + 0.7152 / 2.0 + 0.0722;
+    assert_near(radiance.z, 10.0 / (std::f32::consts::PI * luminance), 0.01, "illuminance");
+}
 
 /// The faces of this PLY file come before its vertices, too.
 #[test]

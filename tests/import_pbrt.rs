@@ -329,15 +329,15 @@ fn pbrt_errors_name_file_line_and_remedy() {
             "index 3 in a mesh of 3 points",
         ),
         (
-            world("LightSource \"infinite\" \"string filename\" \"sky.exr\""),
-            "parameter \"filename\": it is not supported",
+            world("LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]"),
+            "parameter \"portal\": it is not supported",
         ),
         (world("Material \"diffuse\" \"texture reflectance\" \"wood\""), "there is no texture \"wood\""),
         (world("Shape \"plymesh\" \"string filename\" \"../a.ply\""), "leads upwards"),
         (world("Shape \"plymesh\" \"string filename\" \"a.ply.gz\""), "there is no file \"a.ply.gz\""),
         (world("Film \"rgb\""), "scene.pbrt:3 (Film): it stands after WorldBegin"),
         ("WorldBegin".to_owned(), "the scene has no Camera"),
-        ("Camera \"spherical\"".to_owned(), "scene.pbrt:1 (Camera): the camera is \"spherical\""),
+        ("Camera \"spherical\"".to_owned(), "has the mapping \"equalarea\""),
         ("Camera \"perspective\" \"float screenwindow\" [ 1 0 0 1 ]".to_owned(), "the screenwindow is empty"),
     ];
     for (text, expected) in cases {
@@ -362,6 +362,21 @@ fn pbrt_losses_are_told() {
     let told = notices(&scene);
     for notice in expected {
         assert!(told.contains(notice), "{told}");
+    }
+}
+
+/// pbrt's equirectangular mapping: column x of the picture looks towards longitude 2π x from +x to +z, row y to the polar angle π y from +y.
+#[test]
+fn pbrt_spherical_cameras_see_points_where_pbrt_does() {
+    let text = "LookAt 1 2 3  1 2 4  0 1 0\nCamera \"spherical\" \"string mapping\" \"equirectangular\"\nWorldBegin\n";
+    let scene = Scene::prepare(&load(&format!("{text}{LAMP}"))).expect("a good scene");
+    for (x, y) in [(0.1f32, 0.2f32), (0.4, 0.5), (0.8, 0.7), (0.99, 0.4)] {
+        let (longitude, polar) = (2.0 * PI * x, PI * y);
+        let seen = Vec3::new(polar.sin() * longitude.cos(), polar.cos(), polar.sin() * longitude.sin());
+        let ray = scene.camera.ray(Vec2::new(x, y), [0.5; 2]);
+        assert!(ray.direction.abs_diff_eq(seen, 1e-5), "{} is not {seen}", ray.direction);
+        let back = scene.camera.look_at(Vec3::new(1.0, 2.0, 3.0) + seen * 5.0, [0.5; 2]).expect("it is seen");
+        assert!(back.film.abs_diff_eq(Vec2::new(x, y), 1e-5), "{} is not {x}, {y}", back.film);
     }
 }
 

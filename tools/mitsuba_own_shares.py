@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Judges Mitsuba 3 by its own render tests, and prints the shares as JSON.
+"""Judges Mitsuba 3 by its own render tests, and writes the shares as JSON.
 
     pip install mitsuba==3.9.1
-    python3 tools/mitsuba_own_shares.py ../shared/mitsuba-tests 256 > examples/mitsuba_tests/own_shares.json
+    python3 tools/mitsuba_own_shares.py ../shared/mitsuba-tests 256 examples/mitsuba_tests/own_shares.json
 
 The rule is that of examples/mitsuba_tests: variances of references are estimates, so that Mitsuba itself is below 99.75 % in many
 tests, and a renderer that is right is, too. Takes about ten minutes with 256 samples.
@@ -42,7 +42,8 @@ def main():
             shares[scene_file.stem] = share(scene_file, samples)
         except Exception as problem:  # Mitsuba refuses what this variant cannot render.
             print(f"{scene_file.stem}: {problem}", file=sys.stderr)
-    print(json.dumps({"mitsuba": mi.__version__, "samples": samples, "shares": shares}, indent=1))
+    result = {"mitsuba": mi.__version__, "samples": samples, "shares": shares}
+    Path(sys.argv[3]).write_text(json.dumps(result, indent=1) + "\n")
 
 
 main()

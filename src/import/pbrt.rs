@@ -9,6 +9,7 @@ mod attributes;
 mod camera;
 mod directives;
 mod goniometric;
+mod infinite;
 mod light;
 mod material;
 mod medium;

@@ -51,7 +51,16 @@ const PLUGINS: [(PluginClass, &[&str]); 13] = [
     ),
     (
         PluginClass::Sensor,
-        &["batch", "distant", "irradiancemeter", "orthographic", "perspective", "radiancemeter", "thinlens"],
+        &[
+            "batch",
+            "distant",
+            "irradiancemeter",
+            "orthographic",
+            "perspective",
+            "radiancemeter",
+            "spherical",
+            "thinlens",
+        ],
     ),
     (PluginClass::Film, &["hdrfilm", "specfilm"]),
     (PluginClass::ReconstructionFilter, &["box", "catmullrom", "gaussian", "lanczos", "mitchell", "tent"]),

@@ -15,8 +15,8 @@ use super::parameters::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PilotPass, PreparedMethod, Strategy};
 use crate::estimate::{Declaration, PixelTally, Region};
-use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream};
+use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
     CameraWalk, LightWalk, MergeRecord, Merging, Selection, StoredVertex, Techniques, Vertex, Weighting, connect,
@@ -220,14 +220,16 @@ impl BidirectionalPasses {
     ) {
         let Some(seen) = to_camera(walk, &self.selection, vertex, random, counters) else { return };
         let region = pixels_of(pass.region, self.scene.width);
-        self.scene.film.for_each_pixel(seen.film, |pixel, filter| {
-            if region.contains(&pixel) {
-                let pixel = pixel - region.start;
-                let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
-                let radiance = seen.radiance * (filter / self.weighting.light_paths);
-                splats.push((pixel, self.selection.shown(radiance, weight)));
-            }
-        });
+        for repeat in self.scene.camera.repeats() {
+            self.scene.film.for_each_pixel(seen.film + Vec2::new(*repeat, 0.0), |pixel, filter| {
+                if region.contains(&pixel) {
+                    let pixel = pixel - region.start;
+                    let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
+                    let radiance = seen.radiance * (filter / self.weighting.light_paths);
+                    splats.push((pixel, self.selection.shown(radiance, weight)));
+                }
+            });
+        }
     }
 
     /// Traces all light subpaths; what the camera sees of them is added to `pixels`.

@@ -104,9 +104,10 @@ impl CameraWalk {
         if !limits.allows(walk.segments + 1) {
             return None;
         }
-        let found = walk.step(scene, random, counters).surface();
+        let step = walk.step(scene, random, counters);
+        let found = step.surface();
         let is_seen = matches!(self.emission, SeenEmission::Full);
-        if let Some((emitted, light_pdf)) = walk.arriving(scene, found.as_ref(), is_seen) {
+        if let Some((emitted, light_pdf)) = walk.arriving(scene, found, is_seen) {
             let share = match self.emission {
                 SeenEmission::Full => 1.0,
                 SeenEmission::Shared(pdf) => power_heuristic(pdf, light_pdf),
@@ -114,7 +115,7 @@ impl CameraWalk {
             };
             *radiance += walk.throughput * emitted * share;
         }
-        let hit = found?;
+        let hit = *found?;
         self.path_length += hit.distance;
         let Walk { throughput, segments, medium, .. } = *walk;
         let path_length = self.path_length;

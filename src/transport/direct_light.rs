@@ -71,8 +71,8 @@ fn sample_material(scene: &Scene, point: &GatherPoint, random: &PathRandom, coun
     if !scene.lights.may_be_hit(&scene.geometry, &walk.ray) {
         return Rgb::ZERO;
     }
-    let found = walk.step(scene, random, counters).surface();
-    match walk.arriving(scene, found.as_ref(), false) {
+    let step = walk.step(scene, random, counters);
+    match walk.arriving(scene, step.surface(), false) {
         Some((radiance, pdf)) => walk.throughput * radiance * power_heuristic(scattering.sample.pdf, pdf),
         None => Rgb::ZERO,
     }

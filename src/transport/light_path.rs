@@ -40,19 +40,24 @@ pub fn trace_light_path(
     let direction = random.block(dimension::EMISSION_DIRECTION);
     let emitted = scene.lights.emit(&scene.geometry, [place[0], place[1], place[2]], [direction[0], direction[1]]);
     let Some(emitted) = emitted else { return };
-    let Some(mut walk) = Walk::from_light(scene, &emitted, random, counters) else { return };
+    let peak = emitted.flux.max_element();
+    if !(peak > 0.0 && peak.is_finite()) {
+        counters.non_finite += u64::from(!peak.is_finite());
+        return;
+    }
+    let mut walk = Walk::from_light(scene, &emitted, random);
     while limits.allows(walk.segments + 2) {
-        let Some(hit) = walk.step(scene, random, counters).surface() else { return };
-        vertices.arrive(&walk, &hit, &emitted, random, counters);
+        let step = walk.step(scene, random, counters);
+        let Some(hit) = step.surface() else { return };
+        vertices.arrive(&walk, hit, &emitted, random, counters);
         let u = random.block(dimension::scattering(walk.segments));
-        let view = shading::view(&hit, TransportMode::Flux);
-        let Some(scattering) = shading::scatter(&hit, scene.material(hit.shape), &view, [u[0], u[1], u[2]]) else {
+        let view = shading::view(hit, TransportMode::Flux);
+        let Some(scattering) = shading::scatter(hit, scene.material(hit.shape), &view, [u[0], u[1], u[2]]) else {
             return;
         };
-        walk.follow(scene, &hit, &scattering);
-        if !walk.survives(limits, u[3]) {
+        if !walk.follow_by_roulette(scene, hit, &scattering, limits, u[3]) {
             return;
         }
-        vertices.leave(&hit, &view, &scattering);
+        vertices.leave(hit, &view, &scattering);
     }
 }

@@ -42,7 +42,7 @@ pub struct Joint<'a> {
 #[inline]
 pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) -> Rgb {
     if joint.blockers == Blockers::Turning {
-        return through_surfaces(scene, joint, counters);
+        return through_surfaces(scene, *joint, counters);
     }
     counters.rays += 1;
     let is_blocked = match joint.blockers {
@@ -52,28 +52,31 @@ pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) 
     match is_blocked {
         true => Rgb::ZERO,
         false if joint.medium.is_none() => Rgb::ONE,
-        false => through_medium(scene, joint, joint.medium, &joint.ray, 0),
+        false => through_medium(scene, *joint, 0),
     }
 }
 
-/// The share that a medium lets pass on the part of a joint behind `passed` surfaces.
+// What scenes without media never call takes values: a joint whose address is known elsewhere is not kept in registers.
+
+/// The share that the medium lets pass on the part of a joint behind `passed` surfaces.
 #[cold]
-fn through_medium(scene: &Scene, joint: &Joint<'_>, medium: MediumIndex, ray: &Ray, passed: u32) -> Rgb {
-    let numbers = || joint.random.branch(dimension::joint(joint.step, passed));
-    scene.medium(medium).map_or(Rgb::ONE, |medium| medium.transmittance(ray, numbers))
+#[inline(never)]
+fn through_medium(scene: &Scene, part: Joint<'_>, passed: u32) -> Rgb {
+    let numbers = || part.random.branch(dimension::joint(part.step, passed));
+    scene.medium(part.medium).map_or(Rgb::ONE, |medium| medium.transmittance(&part.ray, numbers))
 }
 
+#[cold]
 #[inline(never)]
-fn through_surfaces(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) -> Rgb {
-    let Joint { mut ray, mut medium, .. } = *joint;
-    let direction = ray.direction;
+fn through_surfaces(scene: &Scene, mut rest: Joint<'_>, counters: &mut Counters) -> Rgb {
+    let direction = rest.ray.direction;
     let mut passing = Rgb::ONE;
     for passed in 0..MOST_PASSED {
         counters.rays += 1;
-        let found = scene.intersect(&ray);
-        let distance = found.as_ref().map_or(ray.length, |hit| hit.distance);
-        if medium.is_some() {
-            passing *= through_medium(scene, joint, medium, &Ray { length: distance, ..ray }, passed);
+        let found = scene.intersect(&rest.ray);
+        let length = found.as_ref().map_or(rest.ray.length, |hit| hit.distance);
+        if rest.medium.is_some() {
+            passing *= through_medium(scene, Joint { ray: Ray { length, ..rest.ray }, ..rest }, passed);
         }
         let Some(hit) = found else { return passing };
         let view = shading::view(&hit, TransportMode::Radiance);
@@ -85,8 +88,8 @@ fn through_surfaces(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) -
         if passing == Rgb::ZERO {
             return passing;
         }
-        medium = scene.medium_beyond(&hit, direction, medium);
-        ray = Ray { length: ray.length - distance, ..hit.ray_to(direction) };
+        rest.medium = scene.medium_beyond(&hit, direction, rest.medium);
+        rest.ray = Ray { length: rest.ray.length - length, ..hit.ray_to(direction) };
     }
     Rgb::ZERO
 }

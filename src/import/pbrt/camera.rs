@@ -1,6 +1,6 @@
 //! The camera, and the part of the screen that it shows.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 
 use super::super::draft::Draft;
 use super::super::values::shown;
@@ -49,7 +49,7 @@ impl Screen {
 /// The sensor with its film.
 ///
 /// # Errors
-/// On cameras other than `perspective` and `orthographic`, and on screens without area.
+/// On cameras other than `perspective`, `orthographic` and `spherical`, and on screens without area.
 pub(super) fn sensor(
     Directive { name, parameters }: &Directive,
     from_world: DMat4,
@@ -64,7 +64,7 @@ pub(super) fn sensor(
     let screen = Screen::read(parameters, size[0] as f64 / size[1] as f64)?;
     let pixels = DVec2::new(size[0] as f64, size[1] as f64);
     let [width, height] = (screen.size() / pixels).to_array();
-    if (width / height - 1.0).abs() > 1e-3 {
+    if (width / height - 1.0).abs() > 1e-3 && name != "spherical" {
         let instead = "pixels are square; the picture has the width of the window";
         output.approximated(place, "a screenwindow or frameaspectratio that is not that of the film", instead);
     }
@@ -76,8 +76,9 @@ pub(super) fn sensor(
             perspective(parameters, &screen, to_world)?.with_child("", shifted(film, size, &screen, output))
         }
         "orthographic" => orthographic(parameters, &screen, to_world, output)?.with_child("", film),
+        "spherical" => spherical(parameters, inverse)?.with_child("", film),
         _ => {
-            let remedy = "only \"perspective\" and \"orthographic\" are supported";
+            let remedy = "only \"perspective\", \"orthographic\" and \"spherical\" are supported";
             return Err(SceneError::new(place, format!("the camera is {}", shown(name)), remedy));
         }
     };
@@ -163,4 +164,18 @@ fn orthographic(
         .with_float("near_clip", 1e-6)
         .with_float("far_clip", 1e10)
         .with_transform("to_world", to_world * middle * size))
+}
+
+/// A camera that sees all around: longitudes begin at +x there, behind here.
+fn spherical(parameters: &Parameters, to_world: DMat4) -> Result<Draft, SceneError> {
+    if parameters.text("mapping")?.unwrap_or("equalarea") != "equirectangular" {
+        let problem = "the spherical camera has the mapping \"equalarea\", which is its default";
+        return Err(SceneError::new(&parameters.place, problem, "give it \"string mapping\" \"equirectangular\""));
+    }
+    parameters.pass_over(&["lensradius", "focaldistance"]);
+    let turn = DMat4::from_cols(DVec4::Z, DVec4::Y, DVec4::NEG_X, DVec4::W);
+    Ok(Draft::new(PluginClass::Sensor, "spherical", &parameters.place)
+        .with_float("near_clip", 1e-6)
+        .with_float("far_clip", 1e10)
+        .with_transform("to_world", to_world * turn))
 }

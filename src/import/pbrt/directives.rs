@@ -18,7 +18,7 @@ pub(in super::super) const DIRECTIVES: &[Row] = &[
     Row::new(
         "Camera",
         Approximated,
-        "`perspective`, `orthographic`; square pixels; `spherical` and `realistic` are refused",
+        "`perspective`, `orthographic`, `spherical` with equirectangular mapping; square pixels; `realistic` is refused",
     ),
     Row::new("ColorSpace", Approximated, "linear sRGB"),
     Row::new("ConcatTransform", Same, ""),
@@ -32,7 +32,7 @@ pub(in super::super) const DIRECTIVES: &[Row] = &[
     Row::new(
         "LightSource",
         Approximated,
-        "`point`, `distant`, `spot`, `infinite` of one color, `goniometric`; `projection` by a spot; images of `infinite` are refused",
+        "`point`, `distant`, `spot`, `infinite`, its image by a map of latitude and longitude, without portals; `goniometric`; `projection` by a spot",
     ),
     Row::new("LookAt", Same, ""),
     Row::new("MakeNamedMaterial", Approximated, "as `Material`"),

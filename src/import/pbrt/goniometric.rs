@@ -69,7 +69,7 @@ fn table(image: &Texture) -> String {
 
 /// Where a unit vector stands in the unit square, which keeps areas [Clarberg 2008, "Fast equal-area mapping of the
 /// (hemi)sphere using SIMD"].
-fn equal_area_square(direction: DVec3) -> DVec2 {
+pub(super) fn equal_area_square(direction: DVec3) -> DVec2 {
     let [x, y, z] = direction.abs().to_array();
     let radius = (1.0 - z).max(0.0).sqrt();
     let (most, least) = (x.max(y), x.min(y));

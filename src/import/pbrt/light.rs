@@ -11,7 +11,7 @@ use super::output::Output;
 use super::parameters::Parameters;
 use super::spectrum::{self, Purpose};
 use super::texture::{self, Ink, mean_color};
-use super::{area_light, goniometric};
+use super::{area_light, goniometric, infinite};
 use crate::scene::description::PluginClass;
 use crate::scene::error::{SceneError, nearest_name};
 
@@ -20,7 +20,7 @@ pub(super) use area_light::AreaSource;
 /// A light that is not a shape, with the transform `to_world` in effect.
 ///
 /// # Errors
-/// On kinds that pbrt does not have, and images of the sky.
+/// On kinds that pbrt does not have, and portals.
 pub(super) fn other(
     kind: &str,
     parameters: &Parameters,
@@ -42,10 +42,14 @@ pub(super) fn other(
         }
         "spot" => spot(light("spot"), from, parameters, to_world, output)?,
         "infinite" => {
-            refuse(parameters, "filename", "pbrt's maps are octahedral: give \"L\", or another format's scene")?;
             refuse(parameters, "portal", "remove it")?;
-            let radiance = with_illuminance(emission(parameters, "L", output)?, PI, parameters)?;
-            light("constant").with_rgb("radiance", radiance)
+            match parameters.text("filename")? {
+                Some(name) => infinite::read(name, parameters, to_world, output)?,
+                None => {
+                    let radiance = with_illuminance(emission(parameters, "L", output)?, PI, parameters)?;
+                    light("constant").with_rgb("radiance", radiance)
+                }
+            }
         }
         "goniometric" => goniometric::read(parameters, to_world, output)?,
         "projection" => projection(light("spot"), parameters, to_world, output)?,

@@ -1,4 +1,4 @@
-//! Cameras: `perspective`, `thinlens` and `orthographic`.
+//! Cameras: `perspective`, `thinlens`, `orthographic` and `spherical`.
 //!
 //! | parameter | meaning | unit, range | default |
 //! |---|---|---|---|
@@ -13,6 +13,11 @@
 //!
 //! `orthographic` takes `to_world` and the clip depths: the film is 2 units of its own space wide, so that a scale in `to_world`
 //! says how much it sees. All of its rays are parallel, so its densities are by area across them instead of by solid angle.
+//!
+//! `spherical` (Mitsuba 0.6, pbrt) takes the same and sees all around: rows are latitudes from up to down, columns longitudes. The middle of
+//! the picture is forward, and its clip distances are along the rays.
+
+use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 
@@ -22,16 +27,23 @@ use super::geometry::Ray;
 use super::geometry::transform::{ToWorld, to_single};
 use crate::math::{Vec2, warp};
 
+/// How directions become places of the film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Projection {
+    Perspective,
+    Parallel,
+    Spherical,
+}
+
 /// A camera, with or without a lens.
 #[derive(Clone, Debug)]
 pub struct Camera {
     position: Vec3,
     /// Unit axes: left, up, forward.
     axes: [Vec3; 3],
-    /// Tangents of the half angles along x and y; of parallel rays half the film's width and height, m.
+    /// Tangents of the half angles along x and y; of parallel rays half the film's width and height, m; of a sphere half its angles.
     half_extent: Vec2,
-    /// Whether all rays are parallel.
-    parallel: bool,
+    projection: Projection,
     /// Where the axis meets the film, from its middle to the right and downwards, as shares of its sides.
     principal_point: Vec2,
     aperture_radius: f32,
@@ -56,23 +68,28 @@ pub struct SeenByCamera {
     pub pdf: f32,
 }
 
-const CAMERAS: &[&str] = &["perspective", "thinlens", "orthographic"];
+const CAMERAS: &[(&str, Projection)] = &[
+    ("perspective", Projection::Perspective),
+    ("thinlens", Projection::Perspective),
+    ("orthographic", Projection::Parallel),
+    ("spherical", Projection::Spherical),
+];
 
 /// Reads a sensor's own parameters, for a whole film of `width` × `height` pixels; the film and sampler are read elsewhere.
 pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera, SceneError> {
     let plugin = fields.node().plugin.as_str();
-    if !CAMERAS.contains(&plugin) {
+    let Some((_, projection)) = CAMERAS.iter().find(|(name, _)| *name == plugin).copied() else {
         let problem = format!("there is no sensor \"{plugin}\"");
-        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, CAMERAS)));
-    }
+        let known: Vec<&str> = CAMERAS.iter().map(|(name, _)| *name).collect();
+        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, &known)));
+    };
     let to_world = ToWorld::read(fields)?;
     let (near, far) = clip(fields)?;
-    let parallel = plugin == "orthographic";
-    let half_extent = match parallel {
-        true => half_film(&to_world, f64::from(width) / f64::from(height)),
-        false => half_extent(fields, width, height)?,
+    let (half_extent, principal_point) = match projection {
+        Projection::Perspective => (half_extent(fields, width, height)?, principal_point(fields)?),
+        Projection::Parallel => (half_film(&to_world, f64::from(width) / f64::from(height)), Vec2::ZERO),
+        Projection::Spherical => (Vec2::new(PI, 0.5 * PI), Vec2::ZERO),
     };
-    let principal_point = if parallel { Vec2::ZERO } else { principal_point(fields)? };
     let (aperture_radius, focus_distance) = lens(fields, far)?;
     fields.ignore(&["shutter_open", "shutter_close"]);
     let axis = |axis: DVec3| to_world.vector(axis).normalize().as_vec3();
@@ -80,7 +97,7 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
         position: to_single(to_world.point(DVec3::ZERO), fields)?,
         axes: [axis(DVec3::X), axis(DVec3::Y), axis(DVec3::Z)],
         half_extent,
-        parallel,
+        projection,
         principal_point,
         aperture_radius,
         focus_distance,
@@ -176,6 +193,17 @@ fn focal_length(fields: &mut Fields<'_>, aspect: f64) -> Result<Vec2, SceneError
     }
 }
 
+/// Sine and cosine of an angle.
+fn sin_cos(angle: f32) -> [f32; 2] {
+    let (sine, cosine) = libm::sincosf(angle);
+    [sine, cosine]
+}
+
+/// How far from the axis a unit vector reaches that reaches `along` it.
+fn across(along: f32) -> f32 {
+    (1.0 - along * along).max(0.0).sqrt()
+}
+
 impl Camera {
     /// The ray through a point of the film, (0, 0) top left to (1, 1) bottom right, and a lens sample in [0, 1)².
     #[inline]
@@ -184,9 +212,18 @@ impl Camera {
         let x = (1.0 - 2.0 * picture.x) * self.half_extent.x;
         let y = (1.0 - 2.0 * picture.y) * self.half_extent.y;
         let [left, up, forward] = self.axes;
-        if self.parallel {
-            let origin = self.position + left * x + up * y + forward * self.near;
-            return Ray { origin, direction: forward, length: self.far - self.near };
+        match self.projection {
+            Projection::Perspective => {}
+            Projection::Parallel => {
+                let origin = self.position + left * x + up * y + forward * self.near;
+                return Ray { origin, direction: forward, length: self.far - self.near };
+            }
+            Projection::Spherical => {
+                let ([sine, cosine], [upwards, level]) = (sin_cos(x), sin_cos(y));
+                let direction = (left * (sine * level) + up * upwards + forward * (cosine * level)).normalize();
+                let origin = self.position + direction * self.near;
+                return Ray { origin, direction, length: self.far - self.near };
+            }
         }
         let through = left * x + up * y + forward;
         let (start, direction) = if self.aperture_radius > 0.0 {
@@ -206,8 +243,11 @@ impl Camera {
     /// of the lens the same; of parallel rays by area across them.
     #[inline]
     pub fn pdf(&self, direction: Vec3) -> f32 {
-        if self.parallel {
-            return 1.0 / (4.0 * self.half_extent.x * self.half_extent.y);
+        match self.projection {
+            Projection::Perspective => {}
+            Projection::Parallel => return 1.0 / (4.0 * self.half_extent.x * self.half_extent.y),
+            // Circles of latitude are as wide on the film as the equator.
+            Projection::Spherical => return 1.0 / (2.0 * PI * PI * across(direction.dot(self.axes[1]))),
         }
         let cosine = direction.dot(self.axes[2]);
         1.0 / (4.0 * self.half_extent.x * self.half_extent.y * cosine * cosine * cosine)
@@ -216,14 +256,17 @@ impl Camera {
     /// How far along `direction` rays start, m.
     #[inline]
     fn near_distance(&self, direction: Vec3) -> f32 {
-        self.near / direction.dot(self.axes[2])
+        match self.projection {
+            Projection::Spherical => self.near,
+            _ => self.near / direction.dot(self.axes[2]),
+        }
     }
 
     /// What [`Camera::pdf`] is to be divided by for the density by area across `direction` at `distance` along a ray of the
     /// camera: see [`SeenByCamera::spread`].
     #[inline]
     pub fn spread(&self, direction: Vec3, distance: f32) -> f32 {
-        if self.parallel {
+        if self.projection == Projection::Parallel {
             return 1.0;
         }
         let distance = distance + self.near_distance(direction);
@@ -233,6 +276,9 @@ impl Camera {
     /// Where the film sees `point` from a place of the lens; `None` behind the camera and beyond its clip distances.
     #[inline]
     pub fn look_at(&self, point: Vec3, lens: [f32; 2]) -> Option<SeenByCamera> {
+        if self.projection == Projection::Spherical {
+            return self.look_around(point);
+        }
         let [left, up, forward] = self.axes;
         let start = warp::disc(lens) * self.aperture_radius;
         let from_lens = point - (self.position + left * start.x + up * start.y);
@@ -241,7 +287,7 @@ impl Camera {
             return None;
         }
         let middle = self.principal_point + 0.5;
-        if self.parallel {
+        if self.projection == Projection::Parallel {
             let film = Vec2::new(from_lens.dot(left), from_lens.dot(up)) / self.half_extent;
             let (direction, visible_distance) = (-forward, depth - self.near);
             let pdf = self.pdf(forward);
@@ -262,6 +308,33 @@ impl Camera {
         })
     }
 
+    fn look_around(&self, point: Vec3) -> Option<SeenByCamera> {
+        let between = point - self.position;
+        let distance = between.length();
+        if !(distance > self.near && distance < self.far) {
+            return None;
+        }
+        let direction = between / distance;
+        let [left, up, forward] = self.axes.map(|axis| direction.dot(axis));
+        let angles = Vec2::new(libm::atan2f(left, forward), libm::atan2f(up, left.hypot(forward)));
+        Some(SeenByCamera {
+            film: Vec2::splat(0.5) - angles / (2.0 * self.half_extent),
+            direction: -direction,
+            spread: distance * distance,
+            visible_distance: distance - self.near,
+            pdf: self.pdf(direction),
+        })
+    }
+
+    /// How far a place of the film is repeated to its left and right, as shares of its width: a picture of all around begins again.
+    #[inline]
+    pub fn repeats(&self) -> &'static [f32] {
+        match self.projection {
+            Projection::Spherical => &[0.0, -1.0, 1.0],
+            _ => &[0.0],
+        }
+    }
+
     /// Whether it has a lens, so that only what lies at one depth is sharp.
     pub fn has_lens(&self) -> bool {
         self.aperture_radius > 0.0
@@ -275,15 +348,15 @@ impl Camera {
     /// The distance of what it sees at `point`, m: from where it stands, or along parallel rays.
     #[inline]
     pub fn distance_to(&self, point: Vec3) -> f32 {
-        match self.parallel {
-            true => (point - self.position).dot(self.axes[2]),
-            false => point.distance(self.position),
+        match self.projection {
+            Projection::Parallel => (point - self.position).dot(self.axes[2]),
+            _ => point.distance(self.position),
         }
     }
 
     /// Radius of the footprint of a pixel at `distance`, m, in a whole film `width` pixels wide.
     pub fn pixel_footprint(&self, distance: f32, width: u32) -> f32 {
-        if self.parallel {
+        if self.projection == Projection::Parallel {
             return self.half_extent.x / width as f32;
         }
         distance * self.half_extent.x / width as f32

@@ -13,7 +13,7 @@ use crate::scene::geometry::Interaction;
 use crate::scene::material::{Lobes, TransportMode, View};
 use crate::transport::shading::{self, Scattering};
 use crate::transport::visibility::Blockers;
-use crate::transport::walk::{Step, Walk};
+use crate::transport::walk::Walk;
 use crate::transport::{Counters, Limits};
 
 /// The most steps of a path that passes surfaces: what is left is lost in rounding.
@@ -73,42 +73,41 @@ impl CameraWalk<'_> {
         let mut last = Last { pdf: 0.0, sums: Sums::default(), is_seen: true };
         let (mut radiance, passes) = (Rgb::ZERO, self.blockers() == Blockers::Turning);
         while self.limits.allows(walk.segments + 1) {
-            let found = match walk.step(scene, &random, counters) {
-                Step::Surface(hit) => Some(hit),
-                Step::Escaped => None,
-                Step::Medium(position) => {
-                    radiance += self.scatter_in_medium(&mut walk, position, &mut last, &random, counters);
-                    if walk.survives(&self.limits, random.block(dimension::scattering(walk.steps))[3]) {
-                        continue;
-                    }
-                    break;
+            let step = walk.step(scene, &random, counters);
+            if let Some(position) = step.medium() {
+                radiance += self.light_in_medium(walk, position, &random, counters);
+                let Some(scattered) = self.scattered(walk, position, &random) else { break };
+                (walk, last) = scattered;
+                if walk.survives(&self.limits, random.block(dimension::scattering(walk.steps))[3]) {
+                    continue;
                 }
-            };
-            if let Some((emitted, weight)) = self.emission(&walk, found.as_ref(), &last, acceptance) {
+                break;
+            }
+            let found = step.surface();
+            if let Some((emitted, weight)) = self.emission(&walk, found, &last, acceptance) {
                 radiance += self.selection.shown(walk.throughput * emitted, weight);
             }
             let Some(hit) = found else { break };
-            let sums = self.arrive(&hit, walk.segments, &last);
+            let sums = self.arrive(hit, walk.segments, &last);
             let material = scene.material(hit.shape);
             if material.lobes().any(Lobes::SMOOTH) {
-                radiance += visit(&Vertex::new(&walk, &hit, sums), &random, counters);
+                radiance += visit(&Vertex::new(&walk, hit, sums), &random, counters);
             }
             let u = random.block(dimension::scattering(walk.steps));
-            let view = shading::view(&hit, TransportMode::Radiance);
-            let Some(scattering) = shading::scatter(&hit, material, &view, [u[0], u[1], u[2]]) else { break };
-            if passes && scattering.is_straight(&hit) {
-                walk.pass(scene, &hit, &scattering);
+            let view = shading::view(hit, TransportMode::Radiance);
+            let Some(scattering) = shading::scatter(hit, material, &view, [u[0], u[1], u[2]]) else { break };
+            if passes && scattering.is_straight(hit) {
+                walk.pass(scene, hit, &scattering);
                 if walk.steps < MOST_STEPS && walk.throughput != Rgb::ZERO {
                     continue;
                 }
                 break;
             }
-            walk.follow(scene, &hit, &scattering);
-            if !walk.survives(&self.limits, u[3]) {
+            if !walk.follow_by_roulette(scene, hit, &scattering, &self.limits, u[3]) {
                 break;
             }
             let is_seen = last.is_seen && scattering.sample.is_specular();
-            last = Last { pdf: scattering.sample.pdf, sums: self.leave(&hit, &view, &scattering, &sums), is_seen };
+            last = Last { pdf: scattering.sample.pdf, sums: self.leave(hit, &view, &scattering, &sums), is_seen };
         }
         radiance
     }

@@ -11,27 +11,26 @@ use crate::transport::visibility::{Joint, SHADOW_END, transmittance};
 use crate::transport::walk::Walk;
 
 impl CameraWalk<'_> {
-    /// Samples a point of a light at `position`, and sends the path on from there; the radiance that the light adds.
+    /// Where the path goes on from `position`, with the density by solid angle.
     #[cold]
     #[inline(never)]
-    pub(super) fn scatter_in_medium(
+    pub(super) fn scattered(&self, walk: Walk, position: Vec3, random: &PathRandom) -> Option<(Walk, Last)> {
+        let medium = self.scene.medium(walk.medium)?;
+        let [x, y, ..] = random.block(dimension::scattering(walk.steps));
+        let (direction, pdf) = medium.phase.sample(walk.ray.direction, [x, y]);
+        Some((walk.scattered(position, direction), Last { pdf, sums: Sums::default(), is_seen: false }))
+    }
+
+    /// The radiance that a sampled point of a light adds at `position`.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn light_in_medium(
         &self,
-        walk: &mut Walk,
+        walk: Walk,
         position: Vec3,
-        last: &mut Last,
         random: &PathRandom,
         counters: &mut Counters,
     ) -> Rgb {
-        let Some(medium) = self.scene.medium(walk.medium) else { return Rgb::ZERO };
-        let radiance = self.light_in_medium(walk, position, random, counters);
-        let [x, y, ..] = random.block(dimension::scattering(walk.steps));
-        let (direction, pdf) = medium.phase.sample(walk.ray.direction, [x, y]);
-        walk.scatter(position, direction);
-        *last = Last { pdf, sums: Sums::default(), is_seen: false };
-        radiance
-    }
-
-    fn light_in_medium(&self, walk: &Walk, position: Vec3, random: &PathRandom, counters: &mut Counters) -> Rgb {
         let scene = self.scene;
         let segments = walk.segments + 1;
         let takes = self.weighting.techniques.any(Techniques::DIRECT)
