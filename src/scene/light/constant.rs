@@ -6,7 +6,7 @@
 
 use std::f32::consts::PI;
 
-use super::{DirectSample, EmittedPhoton, Outlook, Surroundings};
+use super::{DirectSample, EmittedPhoton, LightImportance, Surroundings};
 use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
@@ -48,8 +48,8 @@ impl Constant {
     }
 
     /// π·L on every surface.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
-        Outlook::Far { irradiance: PI * luminance(self.radiance) }
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
+        LightImportance::Far { irradiance: PI * luminance(self.radiance) }
     }
 
     /// A direction uniform over the sphere.
