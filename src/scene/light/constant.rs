@@ -23,6 +23,8 @@ pub struct Constant {
 impl Constant {
     /// Reads the parameters.
     pub fn read(fields: &mut Fields<'_>, surroundings: Surroundings) -> Result<Self, SceneError> {
+        // It is the same in all directions.
+        fields.ignore(&["to_world"]);
         let rgb = fields.rgb("radiance")?.unwrap_or([1.0; 3]).map(|channel| channel as f32);
         Ok(Self { radiance: Rgb::from_array(rgb), surroundings })
     }

@@ -27,7 +27,7 @@ pub use ies::Ies;
 pub use importance::{LightImportance, Place};
 pub use point::Point;
 pub use projector::Projector;
-pub use read::read;
+pub use read::{check_sampling_weight, read};
 pub use spot::Spot;
 pub use surroundings::Surroundings;
 pub use table::LightTable;
