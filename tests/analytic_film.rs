@@ -22,9 +22,11 @@ fn integers(numbers: &[(&str, i32)]) -> String {
 
 #[test]
 fn analytic_crop_windows_are_parts_of_the_film() {
-    let whole = scene(&integers(&[("width", 60), ("height", 40)]));
+    const BORDER: &str = "<boolean name='sample_border' value='true'/>";
+    let whole = scene(&[&integers(&[("width", 60), ("height", 40)]), BORDER].concat());
     let window = [("crop_offset_x", 13), ("crop_offset_y", 7), ("crop_width", 20), ("crop_height", 9)];
-    let part = scene(&integers(&[[("width", 60), ("height", 40)].as_slice(), window.as_slice()].concat()));
+    let part = integers(&[[("width", 60), ("height", 40)].as_slice(), window.as_slice()].concat());
+    let part = scene(&[&part, BORDER].concat());
     assert_eq!((part.width, part.height), (20, 9));
     for pixel in [[0, 0], [19, 8], [4, 6]] {
         let numbers = [0.25, 0.875, 0.5, 0.5];
@@ -77,7 +79,7 @@ fn analytic_films_that_cannot_be() {
         (integers(&[("crop_width", 0)]), "at least 1"),
         ("<rfilter type='tent'><float name='radius' value='0'/></rfilter>".to_owned(), "above 0"),
         ("<rfilter type='tent'><float name='radius' value='1e9'/></rfilter>".to_owned(), "up to 64"),
-        ("<rfilter type='mitchell'><float name='A' value='2'/></rfilter>".to_owned(), "from 0 to 1"),
+        ("<rfilter type='mitchell'><float name='B' value='2'/></rfilter>".to_owned(), "from 0 to 1"),
         ("<rfilter type='lanczos'><integer name='lobes' value='0'/></rfilter>".to_owned(), "from 1 to 16"),
         ("<rfilter type='gausian'/>".to_owned(), "did you mean \"gaussian\"?"),
     ] {

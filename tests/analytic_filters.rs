@@ -49,7 +49,7 @@ type Case = (&'static str, fn(f64) -> f64, f64);
 
 const CASES: [Case; 5] = [
     ("<rfilter type='mitchell'/>", mitchell, 2.0),
-    ("<rfilter type='mitchell'><float name='A' value='0'/><float name='B' value='0.5'/></rfilter>", catmullrom, 2.0),
+    ("<rfilter type='mitchell'><float name='B' value='0'/><float name='C' value='0.5'/></rfilter>", catmullrom, 2.0),
     ("<rfilter type='catmullrom'/>", catmullrom, 2.0),
     ("<rfilter type='lanczos'/>", |x| lanczos(x, 3.0), 3.0),
     ("<rfilter type='lanczos'><integer name='lobes' value='2'/></rfilter>", |x| lanczos(x, 2.0), 2.0),

@@ -101,7 +101,7 @@ fn pbrt_options_have_counterparts() {
         of_class(&scene, PluginClass::Sensor),
         ["thinlens(fov=90.000, fov_axis=smaller, near_clip=0.000, far_clip=10000000000.000, to_world=…, \
           aperture_radius=0.500, focus_distance=4.000, hdrfilm(width=40, height=20, crop_offset_x=10, crop_width=20, \
-          crop_offset_y=0, crop_height=10, tent(radius=2.000)))"]
+          crop_offset_y=0, crop_height=10, sample_border=true, tent(radius=2.000)))"]
     );
     // pbrt counts bounces, photonfarm segments.
     assert_eq!(

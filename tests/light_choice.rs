@@ -11,8 +11,8 @@ use photonfarm::math::color::luminance;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
-use photonfarm::scene::light::outlook::{Aim, Lamp, Outlooks};
-use photonfarm::scene::light::{DirectSample, Outlook};
+use photonfarm::scene::light::importance::{Aim, ImportanceSampler, Lamp};
+use photonfarm::scene::light::{DirectSample, LightImportance};
 
 /// Evenly spread numbers in [0, 1).
 const STEPS: u32 = 200_000;
@@ -28,7 +28,7 @@ fn place(index: u32) -> Vec3 {
 }
 
 /// Lamps of all kinds in a box of 20 m, and two lights outside.
-fn outlooks(count: usize) -> Vec<Outlook> {
+fn importances(count: usize) -> Vec<LightImportance> {
     let lamp = |index: usize| {
         let [center, axis, rest] = [0, 1, 2].map(|part| place(3 * index as u32 + part));
         let axis = axis - 0.5;
@@ -37,9 +37,9 @@ fn outlooks(count: usize) -> Vec<Outlook> {
             1 => Aim::Side(axis.normalize()),
             _ => Aim::Cone(axis.normalize(), 2.0 * rest.z - 1.0),
         };
-        Outlook::Near(Lamp { center: center * 20.0, radius: rest.x, intensity: 0.1 + 10.0 * rest.y, aim })
+        LightImportance::Near(Lamp { center: center * 20.0, radius: rest.x, intensity: 0.1 + 10.0 * rest.y, aim })
     };
-    let far = [0.01, 0.05].map(|irradiance| Outlook::Far { irradiance });
+    let far = [0.01, 0.05].map(|irradiance| LightImportance::Far { irradiance });
     (0..count).map(lamp).chain(far).collect()
 }
 
@@ -47,11 +47,11 @@ fn outlooks(count: usize) -> Vec<Outlook> {
 fn lights_are_picked_as_often_as_their_probabilities_say() {
     // One group of lamps, and several.
     for count in [0, 1, 30, 1000] {
-        let outlooks = outlooks(count);
-        let picks = Outlooks::new(&outlooks, 1e-3);
+        let importances = importances(count);
+        let picks = ImportanceSampler::new(&importances, 1e-3);
         for position in [Vec3::splat(10.0), Vec3::new(3.0, 19.0, -1.0), Vec3::new(500.0, 0.0, 40.0)] {
             let place = position.into();
-            let mut found = vec![0u32; outlooks.len()];
+            let mut found = vec![0u32; importances.len()];
             for step in 0..STEPS {
                 let u = (step as f32 + 0.5) / STEPS as f32;
                 let (light, probability) = picks.pick(&place, u).expect("there are lights outside");
@@ -70,9 +70,10 @@ fn lights_are_picked_as_often_as_their_probabilities_say() {
 
 #[test]
 fn near_and_bright_lamps_are_picked_more_often() {
-    let lamp =
-        |x: f32, intensity| Outlook::Near(Lamp { center: Vec3::X * x, radius: 0.0, intensity, aim: Aim::Everywhere });
-    let picks = Outlooks::new(&[lamp(1.0, 1.0), lamp(2.0, 1.0), lamp(2.0, 8.0)], 1e-3);
+    let lamp = |x: f32, intensity| {
+        LightImportance::Near(Lamp { center: Vec3::X * x, radius: 0.0, intensity, aim: Aim::Everywhere })
+    };
+    let picks = ImportanceSampler::new(&[lamp(1.0, 1.0), lamp(2.0, 1.0), lamp(2.0, 8.0)], 1e-3);
     let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), light));
     let expected = [4.0 / 13.0, 1.0 / 13.0, 8.0 / 13.0];
     assert!((0..3).all(|light| (found[light] - expected[light]).abs() < 1e-6), "{found:?}");
@@ -108,9 +109,10 @@ fn all_kinds() -> Scene {
     scene_text::prepare(&body, &files).expect("the scene is good")
 }
 
-fn picks_of(scene: &Scene) -> Outlooks {
-    let outlooks: Vec<Outlook> = scene.lights.lights().iter().map(|light| light.outlook(&scene.geometry)).collect();
-    Outlooks::new(&outlooks, 1e-4)
+fn picks_of(scene: &Scene) -> ImportanceSampler {
+    let importances: Vec<LightImportance> =
+        scene.lights.lights().iter().map(|light| light.importance(&scene.geometry)).collect();
+    ImportanceSampler::new(&importances, 1e-4)
 }
 
 #[test]

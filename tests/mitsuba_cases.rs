@@ -258,7 +258,7 @@ const DEFAULTS: &[(&str, &str, &str, &str)] = &[
         "rfilter",
         "mitchell",
         "",
-        "<float name='A' value='0.3333333333333333'/><float name='B' value='0.3333333333333333'/>",
+        "<float name='B' value='0.3333333333333333'/><float name='C' value='0.3333333333333333'/>",
     ),
 ];
 

@@ -128,6 +128,10 @@ impl Changes {
             set(film, offset, first[axis]);
             set(film, count, pixels[axis]);
         }
+        // A part shows what the whole picture shows there: its edges are not the picture's.
+        film.parameters.retain(|parameter| parameter.name != "sample_border");
+        let (location, value) = (film.location.clone(), Value::Boolean(true));
+        film.parameters.push(Parameter { name: "sample_border".to_owned(), value, location });
         Ok(())
     }
 

@@ -12,7 +12,7 @@ use super::mitsuba_old::{self, Old, Version};
 use super::spectra::{self, Purpose};
 use super::substitution::Parameters;
 use super::values::{self, Refusal, shown};
-use super::xml_element::{Attributes, File, step_matrix};
+use super::xml_element::{Attributes, File, notice_of_axis, step_matrix};
 use super::xml_tags::{OTHER_TAGS, STEP_TAGS, VALUE_TAGS, unknown_tag};
 use super::{DEPTH_LIMIT, plugins};
 use crate::scene::bundle::Bundle;
@@ -340,6 +340,7 @@ impl Reader<'_> {
         };
         let attributes = self.attributes(file, element, path, required, optional)?;
         self.refuse_contents(file, element, path)?;
+        self.notices.extend(notice_of_axis(tag, &attributes, self.version, &place));
         step_matrix(tag, &attributes).map_err(|refusal| refused(&place, tag, refusal))
     }
 

@@ -16,6 +16,7 @@ mod json_text;
 mod mgf;
 mod mitsuba_json;
 mod mitsuba_old;
+pub mod mitsuba_plugins;
 mod mitsuba_xml;
 pub mod native;
 mod notices;

@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `value="400:0.1, 500:0.2"`, `filename`, `regular`, `irregular` | of light as it is; of everything else in daylight |
 //! | `value="0.5"` | of light that of equal energy, which is not white; of everything else grey |
-//! | `blackbody` | `temperature`, K |
+//! | `blackbody` | of `temperature`, K, from `wavelength_min` to `wavelength_max`, nm |
 //! | `d65`, `srgb` | `color`, times `scale` |
 //! | `uniform`, `rawconstant` | `value` |
 
@@ -142,7 +142,12 @@ pub(super) fn of_plugin(draft: &Draft, purpose: Purpose) -> Result<[f64; 3], Sce
         "blackbody" => {
             let temperature =
                 number("temperature").filter(|kelvin| *kelvin > 0.0).ok_or_else(|| lacks("temperature"))?;
-            Ok(to_rgb(|wavelength| black_body(wavelength, temperature)))
+            let first = number("wavelength_min").unwrap_or(0.0);
+            let last = number("wavelength_max").unwrap_or(f64::INFINITY);
+            Ok(to_rgb(|wavelength| match (first..=last).contains(&wavelength) {
+                true => black_body(wavelength, temperature),
+                false => 0.0,
+            }))
         }
         "d65" => {
             let color = color("color").or_else(|| color("value")).unwrap_or([1.0; 3]);

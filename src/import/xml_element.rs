@@ -2,9 +2,13 @@
 
 use roxmltree::{Document, Node};
 
+use glam::DVec3;
+
+use super::mitsuba_old::Version;
 use super::transform;
 use super::values::{self, Refusal};
 use crate::scene::error::{Location, SceneError};
+use crate::scene::notice::Notice;
 
 /// One file's name and where its lines begin.
 pub(super) struct File<'a> {
@@ -77,6 +81,23 @@ impl Attributes<'_> {
             }
         }
     }
+}
+
+/// What to say of a rotation whose axis is not a unit vector: Mitsuba 3.9.1 does not normalize it, so that it shears and stretches.
+pub(super) fn notice_of_axis(
+    tag: &str,
+    attributes: &Attributes<'_>,
+    version: Version,
+    place: &Location,
+) -> Option<Notice> {
+    const ROUNDING: f64 = 1e-3;
+    if tag != "rotate" || version.is_old() {
+        return None;
+    }
+    let length = DVec3::from_array(attributes.triple(0.0).ok()?).length();
+    let subject = format!("a rotation about an axis of length {length:.3}");
+    let explanation = "the axis counts as a direction, where Mitsuba 3 also shears and stretches by its length";
+    ((length - 1.0).abs() > ROUNDING).then(|| Notice::approximated(place, subject, explanation))
 }
 
 /// The matrix of one step of a transform, whose required attributes are there.

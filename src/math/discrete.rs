@@ -40,6 +40,16 @@ impl Discrete {
         self.probabilities[index]
     }
 
+    /// The probability of an index below `place`: a whole one and the part of the next that counts.
+    pub fn share_below(&self, place: f32) -> f32 {
+        let index = place as usize;
+        if index >= self.cumulative.len() {
+            return 1.0;
+        }
+        let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        below + (self.cumulative[index] - below) * (place - index as f32)
+    }
+
     /// Picks an index with `u` in [0, 1) and gives back `u` rescaled to [0, 1) for further use.
     pub fn pick(&self, u: f32) -> (usize, f32) {
         let index = self.cumulative.partition_point(|cumulative| *cumulative <= u).min(self.cumulative.len() - 1);

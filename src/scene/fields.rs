@@ -53,6 +53,12 @@ impl<'a> Fields<'a> {
         self.node.parameters.iter().any(|parameter| parameter.name == name && matches!(parameter.value, Value::Rgb(_)))
     }
 
+    /// Whether the user gave parameter `name` as a vector or point.
+    pub fn is_vector(&self, name: &str) -> bool {
+        let vector = |value: &Value| matches!(value, Value::Vector(_));
+        self.node.parameters.iter().any(|parameter| parameter.name == name && vector(&parameter.value))
+    }
+
     /// An error about parameter `name`.
     pub fn error(&self, name: &str, problem: impl Into<String>, remedy: impl Into<String>) -> SceneError {
         SceneError::new(self.location_of(name), problem, remedy)

@@ -5,6 +5,7 @@
 //! | `width`, `height` | of the whole picture | pixels | 768, 576 |
 //! | `crop_offset_x`, `crop_offset_y` | first column and row that are rendered | pixels | 0 |
 //! | `crop_width`, `crop_height` | how many columns and rows are rendered | pixels | all that are left |
+//! | `sample_border` | whether camera paths also start outside of the picture, where filters reach beyond its edges | – | false |
 //! | a nested `rfilter` | how far a pixel's camera paths spread: see [`filter`] | pixels | `gaussian` of 0.5 |
 
 mod filter;
@@ -30,6 +31,9 @@ pub struct Film {
     pub whole: [u32; 2],
     /// First column and row of the window.
     pub offset: [u32; 2],
+    /// Whether camera paths also start outside of the picture, where filters reach beyond its edges; else the part of a filter
+    /// that lies inside stands for the whole.
+    pub samples_border: bool,
     /// The reconstruction filter.
     pub filter: Filter,
     /// The same where it has no negative lobes, else the `gaussian` that stands in for it.
@@ -43,6 +47,7 @@ impl Default for Film {
             height: 576,
             whole: [768, 576],
             offset: [0, 0],
+            samples_border: false,
             filter: Filter::gaussian(0.5),
             smooth_filter: Filter::gaussian(0.5),
         }
@@ -73,15 +78,24 @@ impl Film {
     #[inline]
     pub fn reaches(&self, point: Vec2) -> bool {
         let within = |at: f32, offset: u32, size: u32| {
-            let (low, high) = self.filter.reach(at);
+            let (low, high) = if self.samples_border { self.filter.reach(at) } else { (at.floor(), at.floor()) };
             high >= offset as f32 && low < (offset + size) as f32
         };
         within(point.x * self.whole[0] as f32, self.offset[0], self.width)
             && within(point.y * self.whole[1] as f32, self.offset[1], self.height)
     }
 
-    /// The picture's pixels that a point of the whole film counts in, by index and filter weight; a filter's weights have an
-    /// integral of 1 over the film, in pixels.
+    /// Where camera paths may start, from the left or upper edge of a `pixel` of the picture's `size` pixels.
+    #[inline]
+    fn edges(&self, pixel: u32, size: u32) -> [f32; 2] {
+        if self.samples_border {
+            return [f32::NEG_INFINITY, f32::INFINITY];
+        }
+        [-(pixel as f32), (size - pixel) as f32]
+    }
+
+    /// The picture's pixels that a point counts in which the film [reaches](Self::reaches), by index and filter weight; a filter's
+    /// weights have an integral of 1 over where camera paths start, in pixels.
     #[inline]
     pub fn for_each_pixel(&self, point: Vec2, mut add: impl FnMut(u32, f32)) {
         let (x, y) = (point.x * self.whole[0] as f32, point.y * self.whole[1] as f32);
@@ -94,9 +108,10 @@ impl Film {
         let (left, right) = span(x, self.offset[0], self.width);
         let (top, bottom) = span(y, self.offset[1], self.height);
         for row in top..bottom {
-            let down = self.filter.weight(y - (row + self.offset[1]) as f32);
+            let down = self.filter.weight_within(y - (row + self.offset[1]) as f32, self.edges(row, self.height));
             for column in left..right {
-                let weight = down * self.filter.weight(x - (column + self.offset[0]) as f32);
+                let edges = self.edges(column, self.width);
+                let weight = down * self.filter.weight_within(x - (column + self.offset[0]) as f32, edges);
                 if weight != 0.0 {
                     add(row * self.width + column, weight);
                 }
@@ -119,7 +134,8 @@ impl Film {
 
     #[inline]
     fn filtered_point(&self, filter: &Filter, [column, row]: [u32; 2], [x, y]: [f32; 2]) -> (Vec2, f32) {
-        let ((x, across), (y, down)) = (filter.sample(x), filter.sample(y));
+        let (x, across) = filter.sample_within(x, self.edges(column, self.width));
+        let (y, down) = filter.sample_within(y, self.edges(row, self.height));
         let place = Vec2::new(
             ((column + self.offset[0]) as f32 + x) / self.whole[0] as f32,
             ((row + self.offset[1]) as f32 + y) / self.whole[1] as f32,
@@ -145,14 +161,15 @@ pub fn read(node: &Node) -> Result<Film, SceneError> {
         return Err(fields.error("width", problem, format!("at most {MAX_PIXELS} pixels can be rendered")));
     }
     // These choose how Mitsuba writes files; pictures here are always linear 32-bit RGB until they are written.
-    fields.ignore(&["pixel_format", "component_format", "file_format", "sample_border", "banner", "compensate"]);
+    fields.ignore(&["pixel_format", "component_format", "file_format", "banner", "compensate"]);
+    let samples_border = fields.boolean("sample_border")?.unwrap_or(default.samples_border);
     let filter = match fields.child(PluginClass::ReconstructionFilter) {
         Some(node) => filter::read(node)?,
         None => default.filter,
     };
     fields.finish()?;
     let smooth_filter = if filter.has_negative_lobes() { Filter::gaussian(0.5) } else { filter.clone() };
-    Ok(Film { width, height, whole, offset: [x, y], filter, smooth_filter })
+    Ok(Film { width, height, whole, offset: [x, y], samples_border, filter, smooth_filter })
 }
 
 fn side(fields: &mut Fields<'_>, name: &'static str, default: u32) -> Result<u32, SceneError> {

@@ -67,6 +67,9 @@ pub struct Scene {
     pub notices: Vec<String>,
 }
 
+/// A parameter of Mitsuba's shapes that steers how it finds derivatives.
+const OF_DERIVATIVES: &str = "silhouette_sampling_weight";
+
 /// What is collected while the tree is read.
 struct Builder<'a> {
     bundle: &'a Bundle,
@@ -285,6 +288,7 @@ impl<'a> Builder<'a> {
         };
         let mut fields = Fields::new(node);
         let geometry = read(&mut fields, self.bundle)?;
+        fields.ignore(&[OF_DERIVATIVES]);
         if node.plugin == "sphere" && !ToWorld::read(&mut fields)?.is_similarity() {
             let explanation = "it stays a sphere, with the scale along x";
             let notice = Notice::approximated(&node.location, "a sphere that is scaled unevenly", explanation);

@@ -5,8 +5,8 @@ pub(super) type Color = [u8; 3];
 /// A place, pixels.
 pub(super) type Point = [f64; 2];
 
-pub(super) const INK: Color = [34, 34, 34];
-pub(super) const FAINT_INK: Color = [105, 105, 105];
+pub(super) const TONE: Color = [34, 34, 34];
+pub(super) const FAINT_TONE: Color = [105, 105, 105];
 pub(super) const GRID: Color = [228, 228, 228];
 pub(super) const WHITE: Color = [255, 255, 255];
 

@@ -2,7 +2,7 @@
 
 use super::ChartData;
 use super::canvas::text_width;
-use super::drawing::{Anchor, Drawing, FAINT_INK, INK, Point, TEXT};
+use super::drawing::{Anchor, Drawing, FAINT_TONE, Point, TEXT, TONE};
 use super::scale::LogScale;
 use super::style::CurveStyle;
 use crate::evaluation::curves::{Curve, CurvePoint};
@@ -37,7 +37,7 @@ pub(super) fn draw(data: &ChartData) -> Drawing {
 
 fn heading(data: &ChartData, drawing: &mut Drawing) {
     let title = format!("{} against processor time", data.measure.title());
-    drawing.text([EDGE, 20.0], title, 18.0, INK, Anchor::Start);
+    drawing.text([EDGE, 20.0], title, 18.0, TONE, Anchor::Start);
     let seeds = data.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.error.count));
     let seeds = seeds.max().unwrap_or(0);
     let mut notes = match seeds {
@@ -50,7 +50,7 @@ fn heading(data: &ChartData, drawing: &mut Drawing) {
     if data.curves.iter().any(|curve| curve.blind.is_some()) {
         notes += " Hollow: blind to some light.";
     }
-    drawing.text([EDGE, 42.0], notes, TEXT, FAINT_INK, Anchor::Start);
+    drawing.text([EDGE, 42.0], notes, TEXT, FAINT_TONE, Anchor::Start);
 }
 
 /// Labels and where their entries begin, below the heading.
@@ -81,7 +81,7 @@ impl Panel<'_> {
         let y = LogScale::covering(self.errors(), [bottom, self.corner[1] + MARGINS[1]]);
         self.floor(drawing, &y);
         drawing.axes(&self.x, &y, "processor-seconds");
-        drawing.text([self.x.pixels[0], y.pixels[1] - 14.0], self.scene, 14.0, INK, Anchor::Start);
+        drawing.text([self.x.pixels[0], y.pixels[1] - 14.0], self.scene, 14.0, TONE, Anchor::Start);
         let curves: Vec<&Curve> = self.data.of_scene(self.scene).collect();
         for curve in &curves {
             self.band(drawing, curve, &y);

@@ -1,6 +1,6 @@
 //! A job's own error estimate over time.
 
-use super::drawing::{Anchor, Drawing, FAINT_INK, INK, Point, TEXT};
+use super::drawing::{Anchor, Drawing, FAINT_TONE, Point, TEXT, TONE};
 use super::scale::{LogScale, number};
 use super::style;
 use crate::estimate::ErrorEstimate;
@@ -29,10 +29,10 @@ pub struct JobPoint {
 /// Draws noise, bias and the bound of a job called `title`; `wanted` is the error at which it stops.
 pub fn draw_job(title: &str, points: &[JobPoint], wanted: Option<f64>) -> Drawing {
     let mut drawing = Drawing::new(SIZE[0], SIZE[1]);
-    drawing.text([14.0, 20.0], title, 16.0, INK, Anchor::Start);
+    drawing.text([14.0, 20.0], title, 16.0, TONE, Anchor::Start);
     let Some(last) = points.last() else {
         let nothing = "No error estimate yet: each twin needs a pass in every region.";
-        drawing.text([14.0, 44.0], nothing, TEXT, FAINT_INK, Anchor::Start);
+        drawing.text([14.0, 44.0], nothing, TEXT, FAINT_TONE, Anchor::Start);
         return drawing;
     };
     let told = format!(
@@ -41,7 +41,7 @@ pub fn draw_job(title: &str, points: &[JobPoint], wanted: Option<f64>) -> Drawin
         last.passes,
         last.seconds
     );
-    drawing.text([14.0, 40.0], told, TEXT, FAINT_INK, Anchor::Start);
+    drawing.text([14.0, 40.0], told, TEXT, FAINT_TONE, Anchor::Start);
     let values = points.iter().flat_map(|point| [point.error.bound, point.error.noise, point.error.bias]);
     // Estimates of bias are close to 0 by chance: those far below all else do not stretch the scale.
     let most = points.iter().map(|point| point.error.bound).fold(0.0, f64::max);
@@ -52,8 +52,8 @@ pub fn draw_job(title: &str, points: &[JobPoint], wanted: Option<f64>) -> Drawin
     drawing.axes(&x, &y, "seconds since the first lease");
     if let Some(wanted) = wanted {
         let place = y.place(wanted);
-        drawing.dashed_line(&[[x.pixels[0], place], [x.pixels[1], place]], INK, 1.0);
-        drawing.text([x.pixels[1] - 4.0, place - 9.0], "stops here", TEXT - 1.0, INK, Anchor::End);
+        drawing.dashed_line(&[[x.pixels[0], place], [x.pixels[1], place]], TONE, 1.0);
+        drawing.text([x.pixels[1] - 4.0, place - 9.0], "stops here", TEXT - 1.0, TONE, Anchor::End);
     }
     let styles = style::assign(CURVES.iter().map(|(label, _)| (false, (*label).to_owned())));
     let mut left = 14.0;

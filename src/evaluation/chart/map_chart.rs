@@ -2,7 +2,7 @@
 
 use super::canvas::text_width;
 use super::color_scale::{ColorScale, NO_VALUE, ScaleError, ScaleRequest, palette};
-use super::drawing::{Anchor, Drawing, FAINT_INK, INK, Image, Point};
+use super::drawing::{Anchor, Drawing, FAINT_TONE, Image, Point, TONE};
 use super::scale::number;
 use crate::estimate::picture_files::LayerValues;
 
@@ -83,11 +83,11 @@ impl MapSheet {
         ];
         let width = wanted.into_iter().fold(0.0, f64::max) + EDGE;
         let mut drawing = Drawing::new(width, TOP + maps_height.max(bar_height + BELOW_BAR) + EDGE);
-        drawing.text([EDGE, 20.0], self.title.as_str(), 18.0, INK, Anchor::Start);
-        drawing.text([EDGE, 42.0], self.note.as_str(), TEXT, FAINT_INK, Anchor::Start);
+        drawing.text([EDGE, 20.0], self.title.as_str(), 18.0, TONE, Anchor::Start);
+        drawing.text([EDGE, 42.0], self.note.as_str(), TEXT, FAINT_TONE, Anchor::Start);
         for (row, (heading, maps)) in self.rows.iter().enumerate() {
             let top = TOP + row as f64 * row_height;
-            drawing.text([EDGE, top + 12.0], heading.as_str(), 14.0, INK, Anchor::Start);
+            drawing.text([EDGE, top + 12.0], heading.as_str(), 14.0, TONE, Anchor::Start);
             for (column, map) in maps.iter().enumerate() {
                 let corner = [EDGE + column as f64 * (size[0] + GAP), top + map_top];
                 self.place(&mut drawing, map, corner, size);
@@ -117,7 +117,7 @@ impl MapSheet {
         let pixels = map.values.iter().map(|value| self.scale.color(*value)).collect();
         drawing.images.push(Image { corner, size, width: self.width, height: self.height, pixels });
         let below = [corner[0] + size[0] / 2.0, corner[1] + size[1] + 9.0];
-        drawing.text(below, map.caption.as_str(), TEXT - 1.0, INK, Anchor::Middle);
+        drawing.text(below, map.caption.as_str(), TEXT - 1.0, TONE, Anchor::Middle);
     }
 
     fn values(&self) -> impl Iterator<Item = f32> {
@@ -131,7 +131,7 @@ impl MapSheet {
         let (right, middle) = (left + BAR_WIDTH, left + BAR_WIDTH / 2.0);
         let top = top + 24.0;
         let bottom = top + height - 24.0;
-        drawing.text([left, top - 24.0], self.unit.as_str(), TEXT, INK, Anchor::Start);
+        drawing.text([left, top - 24.0], self.unit.as_str(), TEXT, TONE, Anchor::Start);
         let pixels = (0..STEPS).rev().map(|step| palette(f64::from(step) / f64::from(STEPS - 1))).collect();
         drawing.images.push(Image {
             corner: [left, top],
@@ -149,13 +149,13 @@ impl MapSheet {
         }
         for (value, share) in self.scale.ticks() {
             let y = bottom - share * (bottom - top);
-            drawing.line(vec![[right, y], [right + 5.0, y]], INK, 1.0);
-            drawing.text([right + 9.0, y], number(value), TEXT, INK, Anchor::Start);
+            drawing.line(vec![[right, y], [right + 5.0, y]], TONE, 1.0);
+            drawing.text([right + 9.0, y], number(value), TEXT, TONE, Anchor::Start);
         }
         if self.values().any(|value| self.scale.share(value).is_none()) {
             let y = bottom + 30.0;
             drawing.rectangle([left, y - 6.0], [left + 12.0, y + 6.0], NO_VALUE);
-            drawing.text([left + 18.0, y], "no value", TEXT, INK, Anchor::Start);
+            drawing.text([left + 18.0, y], "no value", TEXT, TONE, Anchor::Start);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Axes and their round values.
 
-use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, TEXT};
+use super::drawing::{Anchor, Drawing, FAINT_TONE, GRID, TEXT};
 
 /// A range of values above 0 along a range of pixels.
 #[derive(Clone, Copy, Debug)]
@@ -57,15 +57,15 @@ impl Drawing {
         for value in y.ticks() {
             let place = y.place(value);
             self.line(vec![[left, place], [right, place]], GRID, 0.75);
-            self.text([left - 7.0, place], number(value), SMALL, FAINT_INK, Anchor::End);
+            self.text([left - 7.0, place], number(value), SMALL, FAINT_TONE, Anchor::End);
         }
         for value in x.ticks() {
             let place = x.place(value);
             self.line(vec![[place, bottom], [place, top]], GRID, 0.75);
-            self.text([place, bottom + 13.0], number(value), SMALL, FAINT_INK, Anchor::Middle);
+            self.text([place, bottom + 13.0], number(value), SMALL, FAINT_TONE, Anchor::Middle);
         }
-        self.line(vec![[left, top], [left, bottom], [right, bottom]], FAINT_INK, 1.0);
-        self.text([right, bottom + 30.0], counted, SMALL, FAINT_INK, Anchor::End);
+        self.line(vec![[left, top], [left, bottom], [right, bottom]], FAINT_TONE, 1.0);
+        self.text([right, bottom + 30.0], counted, SMALL, FAINT_TONE, Anchor::End);
     }
 }
 

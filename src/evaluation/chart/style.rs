@@ -1,6 +1,6 @@
 //! How curves are told apart: by colors that color-blind people see as different too, and by the shape of their points.
 
-use super::drawing::{Anchor, Color, Drawing, INK, Point, TEXT, WHITE};
+use super::drawing::{Anchor, Color, Drawing, Point, TEXT, TONE, WHITE};
 
 /// The scheme "muted" of Paul Tol (2021, "Colour schemes", SRON/EPS/TN/09-002), in an order that keeps neighbors apart.
 const PALETTE: [Color; 9] = [
@@ -79,7 +79,7 @@ impl CurveStyle {
     pub(super) fn entry(self, drawing: &mut Drawing, label: &str, [left, middle]: Point) {
         self.line(drawing, vec![[left, middle], [left + 26.0, middle]]);
         self.point(drawing, [left + 13.0, middle], false);
-        drawing.text([left + 32.0, middle], label, TEXT, INK, Anchor::Start);
+        drawing.text([left + 32.0, middle], label, TEXT, TONE, Anchor::Start);
     }
 
     /// A line of this style.

@@ -2,7 +2,7 @@
 
 use super::ChartData;
 use super::canvas::text_width;
-use super::drawing::{Anchor, Drawing, FAINT_INK, GRID, INK, TEXT, WHITE};
+use super::drawing::{Anchor, Drawing, FAINT_TONE, GRID, TEXT, TONE, WHITE};
 use super::scale::{LogScale, number};
 use crate::evaluation::curves::{Curve, Reached};
 
@@ -21,17 +21,17 @@ pub(super) fn draw(data: &ChartData) -> Drawing {
     let height: f64 = blocks.iter().map(Block::height).sum();
     let mut drawing = Drawing::new(WIDTH, TOP + height + 46.0);
     let title = format!("Processor time until {} is {}", data.measure.title(), number(data.target));
-    drawing.text([EDGE, 20.0], title, 18.0, INK, Anchor::Start);
+    drawing.text([EDGE, 20.0], title, 18.0, TONE, Anchor::Start);
     let note = "Interpolated between time budgets, medians over seeds. An arrow: before the first budget already. \
                 Hollow: blind to some light.";
-    drawing.text([EDGE, 42.0], note, TEXT, FAINT_INK, Anchor::Start);
+    drawing.text([EDGE, 42.0], note, TEXT, FAINT_TONE, Anchor::Start);
     let seconds = data.curves.iter().flat_map(|curve| curve.points.iter().map(|point| point.cpu_seconds));
     let x = LogScale::covering(seconds, [LEFT, RIGHT]);
     axis(&mut drawing, &x, TOP + height);
     let mut top = TOP;
     for block in &blocks {
         if top > TOP {
-            drawing.line(vec![[EDGE, top], [WIDTH - EDGE, top]], FAINT_INK, 0.5);
+            drawing.line(vec![[EDGE, top], [WIDTH - EDGE, top]], FAINT_TONE, 0.5);
         }
         block.draw(&mut drawing, &x, top);
         top += block.height();
@@ -44,10 +44,10 @@ fn axis(drawing: &mut Drawing, x: &LogScale, bottom: f64) {
         let place = x.place(value);
         drawing.line(vec![[place, TOP], [place, bottom]], GRID, 0.75);
         for y in [TOP - 10.0, bottom + 12.0] {
-            drawing.text([place, y], number(value), SMALL, FAINT_INK, Anchor::Middle);
+            drawing.text([place, y], number(value), SMALL, FAINT_TONE, Anchor::Middle);
         }
     }
-    drawing.text([RIGHT, bottom + 30.0], "processor-seconds", SMALL, FAINT_INK, Anchor::End);
+    drawing.text([RIGHT, bottom + 30.0], "processor-seconds", SMALL, FAINT_TONE, Anchor::End);
 }
 
 /// A scene: those that reach the error, fastest first, and the others in lines below.
@@ -78,7 +78,7 @@ impl<'a> Block<'a> {
 
     fn draw(&self, drawing: &mut Drawing, x: &LogScale, top: f64) {
         let middle = |line: usize| top + PADDING + (line as f64 + 0.5) * LINE;
-        drawing.text([EDGE, middle(0)], self.scene, 13.0, INK, Anchor::Start);
+        drawing.text([EDGE, middle(0)], self.scene, 13.0, TONE, Anchor::Start);
         for (line, (curve, seconds, before)) in self.reached.iter().enumerate() {
             self.bar(drawing, curve, x.place(*seconds), middle(line));
             let sign = if *before { "< " } else { "" };
@@ -104,12 +104,12 @@ impl<'a> Block<'a> {
         let [begin, end] = [LEFT, WIDTH - EDGE];
         drawing.rectangle([begin, y - LINE / 2.0], [end, y + LINE / 2.0], WHITE);
         if first {
-            drawing.text([begin, y], NOT_REACHED, SMALL, FAINT_INK, Anchor::Start);
+            drawing.text([begin, y], NOT_REACHED, SMALL, FAINT_TONE, Anchor::Start);
         }
         let mut x = begin + text_width(NOT_REACHED, SMALL) * 1.1 + 14.0;
         for curve in curves {
             self.data.style(&curve.label).point(drawing, [x, y], curve.blind.is_some());
-            drawing.text([x + 8.0, y], curve.label.as_str(), SMALL, FAINT_INK, Anchor::Start);
+            drawing.text([x + 8.0, y], curve.label.as_str(), SMALL, FAINT_TONE, Anchor::Start);
             x += entry_width(curve);
         }
     }
@@ -144,9 +144,9 @@ fn label(drawing: &mut Drawing, text: &str, end: f64, y: f64) {
     const GAP: f64 = 9.0;
     let width = text_width(text, SMALL) * 1.1;
     if end + GAP + width < WIDTH - EDGE {
-        drawing.text([end + GAP, y], text, SMALL, INK, Anchor::Start);
+        drawing.text([end + GAP, y], text, SMALL, TONE, Anchor::Start);
         return;
     }
     drawing.rectangle([end - GAP - width - 3.0, y - 6.0], [end - GAP + 3.0, y + 6.0], WHITE);
-    drawing.text([end - GAP, y], text, SMALL, INK, Anchor::End);
+    drawing.text([end - GAP, y], text, SMALL, TONE, Anchor::End);
 }

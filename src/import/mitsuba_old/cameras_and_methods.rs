@@ -23,14 +23,6 @@ pub(super) fn tone_mapped_film(mut draft: Draft, translation: &mut Translation) 
     Ok(Outcome::Plugin(draft))
 }
 
-/// `mitchell`: Mitsuba 3 calls the filter's B and C by A and B.
-pub(super) fn mitchell(mut draft: Draft, _: &mut Translation) -> Result<Outcome, SceneError> {
-    for parameter in &mut draft.parameters {
-        parameter.name = if parameter.name == "B" { "A" } else { "B" }.to_owned();
-    }
-    Ok(Outcome::Plugin(draft))
-}
-
 /// `perspective_rdist`: a lens that distorts.
 pub(super) fn without_distortion(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
     if draft.take("kc").is_some() {

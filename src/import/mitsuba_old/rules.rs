@@ -56,8 +56,8 @@ fn of_class(class: PluginClass) -> (&'static [&'static str], &'static [&'static 
         Emitter => (&["toWorld"], &["samplingWeight", "cache", "resolution"]),
         Sensor => (&["toWorld", "nearClip", "farClip", "focusDistance", "shutterOpen", "shutterClose"], &[]),
         Film => (
-            &["width", "height", "cropOffsetX", "cropOffsetY", "cropWidth", "cropHeight"],
-            &["banner", "attachLog", "highQualityEdges", "fileFormat", "pixelFormat", "digits", "variable"],
+            &["width", "height", "cropOffsetX", "cropOffsetY", "cropWidth", "cropHeight", "highQualityEdges"],
+            &["banner", "attachLog", "fileFormat", "pixelFormat", "digits", "variable"],
         ),
         Sampler => (&["sampleCount"], &["dimension", "scramble"]),
         Texture => (&[], &["maxAnisotropy", "cache"]),
@@ -70,7 +70,13 @@ fn of_class(class: PluginClass) -> (&'static [&'static str], &'static [&'static 
 
 /// The new name of a parameter: words joined by `_`, apart from those that have another name altogether.
 pub(super) fn new_name(old: &str) -> String {
-    const OTHERS: [(&str, &str); 2] = [("photonCount", "photons_per_pass"), ("maxPasses", "passes")];
+    const OTHERS: [(&str, &str); 5] = [
+        ("photonCount", "photons_per_pass"),
+        ("maxPasses", "passes"),
+        ("highQualityEdges", "sample_border"),
+        ("B", "B"),
+        ("C", "C"),
+    ];
     if let Some((_, new)) = OTHERS.iter().find(|(known, _)| *known == old) {
         return (*new).to_owned();
     }
@@ -224,7 +230,7 @@ pub(super) const RULES: &[Rule] = &[
     plain(ReconstructionFilter, "catmullrom", &[]),
     plain(ReconstructionFilter, "gaussian", &["stddev"]),
     plain(ReconstructionFilter, "lanczos", &["lobes"]),
-    changed(ReconstructionFilter, ["mitchell", "mitchell"], &[], &["B", "C"], camera::mitchell),
+    plain(ReconstructionFilter, "mitchell", &["B", "C"]),
     plain(ReconstructionFilter, "tent", &["radius"]),
 
     changed(Sampler, ["halton", "independent"], &[], &[], same),

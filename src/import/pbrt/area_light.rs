@@ -6,7 +6,7 @@ use super::super::draft::Draft;
 use super::super::resolve::resolve;
 use super::output::Output;
 use super::parameters::Parameters;
-use super::texture::Ink;
+use super::texture::ColorOrTexture;
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -17,7 +17,7 @@ use crate::scene::geometry::primitive::SHAPES;
 #[derive(Clone, Debug)]
 pub(super) struct AreaSource {
     /// Radiance, W·sr⁻¹·m⁻², or what is in proportion to it where there is a power.
-    radiance: Ink,
+    radiance: ColorOrTexture,
     two_sided: bool,
     power: Option<Power>,
 }
@@ -34,11 +34,11 @@ struct Power {
 impl AreaSource {
     /// A light of one color.
     pub(super) fn of_color(radiance: [f64; 3], parameters: &Parameters) -> Result<Self, SceneError> {
-        Self::of_image(Ink::Color(radiance), 1.0, parameters)
+        Self::of_image(ColorOrTexture::Color(radiance), 1.0, parameters)
     }
 
     /// A light of an image with this mean luminance.
-    pub(super) fn of_image(radiance: Ink, mean: f64, parameters: &Parameters) -> Result<Self, SceneError> {
+    pub(super) fn of_image(radiance: ColorOrTexture, mean: f64, parameters: &Parameters) -> Result<Self, SceneError> {
         let flux = parameters.float("power")?.filter(|power| *power > 0.0);
         let power = flux.map(|flux| Power { flux, mean });
         Ok(Self { radiance, two_sided: parameters.flag("twosided")?.unwrap_or(false), power })
@@ -51,7 +51,7 @@ impl AreaSource {
 
     /// Whether it is black.
     pub(super) fn is_black(&self) -> bool {
-        matches!(self.radiance, Ink::Color([0.0, 0.0, 0.0]))
+        matches!(self.radiance, ColorOrTexture::Color([0.0, 0.0, 0.0]))
     }
 
     /// The emitter of `shape`, which is of pbrt's kind `kind`.

@@ -10,7 +10,7 @@ use super::super::values::shown;
 use super::output::Output;
 use super::parameters::Parameters;
 use super::spectrum::{self, Purpose};
-use super::texture::{self, Ink, mean_color};
+use super::texture::{self, ColorOrTexture, mean_color};
 use super::{area_light, goniometric, infinite};
 use crate::scene::description::PluginClass;
 use crate::scene::error::{SceneError, nearest_name};
@@ -166,8 +166,8 @@ pub(super) fn area(kind: &str, parameters: &Parameters, output: &mut Output<'_>)
             let image = texture::plain_image(name, parameters, output)?.with_text("wrap_mode", "clamp");
             let mean = spectrum::luminance(mean_color(&image, output)?);
             let scale = parameters.float("scale")?.unwrap_or(1.0);
-            let ink = Ink::Texture(output.define("texture", "light", image)?);
-            AreaSource::of_image(ink.scaled([scale; 3], parameters, output)?, mean, parameters)?
+            let value = ColorOrTexture::Texture(output.define("texture", "light", image)?);
+            AreaSource::of_image(value.scaled([scale; 3], parameters, output)?, mean, parameters)?
         }
     };
     output.report_unused("area light \"diffuse\"", parameters)?;

@@ -7,7 +7,7 @@ use super::super::values::shown;
 use super::output::{Output, referring};
 use super::parameters::{Parameters, Values};
 use super::spectrum::{self, Purpose};
-use super::texture::{Ink, Textures};
+use super::texture::{ColorOrTexture, Textures};
 use crate::scene::description::PluginClass;
 use crate::scene::error::{Location, SceneError, nearest_name};
 
@@ -100,28 +100,28 @@ impl Reader<'_, '_> {
         self.bsdf("twosided").with_child("", bsdf)
     }
 
-    fn share(&mut self, name: &str, default: f64) -> Result<Ink, SceneError> {
+    fn share(&mut self, name: &str, default: f64) -> Result<ColorOrTexture, SceneError> {
         let given = self.textures.color(self.parameters, name, self.output)?;
-        let ink = given.unwrap_or(Ink::Color([default; 3]));
-        self.textured |= ink.is_texture();
-        self.at_most_1(ink)
+        let value = given.unwrap_or(ColorOrTexture::Color([default; 3]));
+        self.textured |= value.is_texture();
+        self.at_most_1(value)
     }
 
     /// pbrt counts shares above 1 as 1.
-    fn at_most_1(&mut self, ink: Ink) -> Result<Ink, SceneError> {
+    fn at_most_1(&mut self, value: ColorOrTexture) -> Result<ColorOrTexture, SceneError> {
         let place = &self.parameters.place;
-        match ink {
-            Ink::Color(rgb) if rgb.iter().any(|channel| *channel > 1.0) => {
+        match value {
+            ColorOrTexture::Color(rgb) if rgb.iter().any(|channel| *channel > 1.0) => {
                 let subject = format!("a surface of {rgb:?}, which reflects more than all light,");
                 self.output.approximated(place, subject, "what is above 1 counts as 1, as in pbrt");
-                Ok(Ink::Color(rgb.map(|channel| channel.min(1.0))))
+                Ok(ColorOrTexture::Color(rgb.map(|channel| channel.min(1.0))))
             }
-            Ink::Texture(id) if self.output.bright.contains(&id) => {
+            ColorOrTexture::Texture(id) if self.output.bright.contains(&id) => {
                 let clamped = Draft::new(PluginClass::Texture, "scale", place).with_flag("clamp", true);
                 let clamped = self.output.define("texture", "clamped", clamped.with_reference(&id))?;
-                Ok(Ink::Texture(clamped))
+                Ok(ColorOrTexture::Texture(clamped))
             }
-            ink => Ok(ink),
+            value => Ok(value),
         }
     }
 
@@ -149,7 +149,7 @@ impl Reader<'_, '_> {
                 let eta = self.metal(&format!("{prefix}eta"), "eta")?;
                 bsdf.with_rgb("eta", eta).with_rgb("k", self.metal(&format!("{prefix}k"), "k")?)
             }
-            Some(Ink::Color(rgb)) => {
+            Some(ColorOrTexture::Color(rgb)) => {
                 // The k with which an index of 1 reflects as much head-on.
                 let k = rgb.map(|share| share.min(0.9999)).map(|share| 2.0 * (share / (1.0 - share)).sqrt());
                 bsdf.with_rgb("eta", [1.0; 3]).with_rgb("k", k)
@@ -196,20 +196,20 @@ impl Reader<'_, '_> {
 
     fn diffuse_transmission(&mut self) -> Result<Draft, SceneError> {
         let scale = self.parameters.float("scale")?.unwrap_or(1.0);
-        let mut part = |name: &str| -> Result<Ink, SceneError> {
+        let mut part = |name: &str| -> Result<ColorOrTexture, SceneError> {
             self.share(name, 0.25)?.scaled([scale; 3], self.parameters, self.output)
         };
         let (reflectance, transmittance) = (part("reflectance")?, part("transmittance")?);
         // Both parts must stay below 1 after they are divided by their weights.
-        let most = |ink: &Ink| match ink {
-            Ink::Color(rgb) => rgb.iter().fold(0.0, |most: f64, channel| most.max(*channel)),
-            Ink::Texture(_) => 0.5,
+        let most = |value: &ColorOrTexture| match value {
+            ColorOrTexture::Color(rgb) => rgb.iter().fold(0.0, |most: f64, channel| most.max(*channel)),
+            ColorOrTexture::Texture(_) => 0.5,
         };
         let (front, back) = (most(&reflectance), most(&transmittance));
         let weight = if front + back > 0.0 { back / (front + back) } else { 0.5 };
         let (reflecting, passing) = (self.bsdf("diffuse"), self.bsdf("difftrans"));
-        let divided = |ink: &Ink, weight: f64, output: &mut Output<'_>| {
-            ink.scaled([if weight > 0.0 { 1.0 / weight } else { 0.0 }; 3], self.parameters, output)
+        let divided = |value: &ColorOrTexture, weight: f64, output: &mut Output<'_>| {
+            value.scaled([if weight > 0.0 { 1.0 / weight } else { 0.0 }; 3], self.parameters, output)
         };
         let reflecting = divided(&reflectance, 1.0 - weight, self.output)?.put(reflecting, "reflectance");
         let passing = divided(&transmittance, weight, self.output)?.put(passing, "transmittance");
@@ -230,7 +230,7 @@ impl Reader<'_, '_> {
                 ));
             }
         };
-        let amount = self.textures.number(self.parameters, "amount")?.unwrap_or(Ink::Color([0.5; 3]));
+        let amount = self.textures.number(self.parameters, "amount")?.unwrap_or(ColorOrTexture::Color([0.5; 3]));
         self.textured |= amount.is_texture();
         let mut blend = amount.put_number(self.bsdf("blendbsdf"), "weight");
         for name in names {
@@ -242,47 +242,52 @@ impl Reader<'_, '_> {
     }
 
     /// The first of two plugins, or the second with its roughness.
-    fn rough(&self, [smooth, rough]: [&str; 2], alpha: Option<[Ink; 2]>) -> Draft {
+    fn rough(&self, [smooth, rough]: [&str; 2], alpha: Option<[ColorOrTexture; 2]>) -> Draft {
         let Some([u, v]) = alpha else { return self.bsdf(smooth) };
         let bsdf = self.bsdf(rough).with_text("distribution", "ggx");
         match (&u, &v) {
-            (Ink::Color(u), Ink::Color(v)) if u == v => bsdf.with_float("alpha", u[0]),
+            (ColorOrTexture::Color(u), ColorOrTexture::Color(v)) if u == v => bsdf.with_float("alpha", u[0]),
             _ => v.put_number(u.put_number(bsdf, "alpha_u"), "alpha_v"),
         }
     }
 
     /// α along u and v, unless it is so small that pbrt makes a mirror.
-    fn alpha(&mut self, prefix: &str, default: f64, anisotropic: bool) -> Result<Option<[Ink; 2]>, SceneError> {
+    fn alpha(
+        &mut self,
+        prefix: &str,
+        default: f64,
+        anisotropic: bool,
+    ) -> Result<Option<[ColorOrTexture; 2]>, SceneError> {
         let remap = self.parameters.flag("remaproughness")?.unwrap_or(true);
         let place = &self.parameters.place;
         let common = self.textures.number(self.parameters, &format!("{prefix}roughness"))?;
-        let common = common.unwrap_or(Ink::Color([default; 3]));
-        let mut along = |axis: &str| -> Result<Ink, SceneError> {
+        let common = common.unwrap_or(ColorOrTexture::Color([default; 3]));
+        let mut along = |axis: &str| -> Result<ColorOrTexture, SceneError> {
             let own = self.textures.number(self.parameters, &format!("{prefix}{axis}roughness"))?;
             Ok(match own.unwrap_or_else(|| common.clone()) {
-                Ink::Color([roughness, ..]) if !(0.0..=100.0).contains(&roughness) => {
+                ColorOrTexture::Color([roughness, ..]) if !(0.0..=100.0).contains(&roughness) => {
                     let problem = format!("a roughness of {roughness}");
                     return Err(SceneError::new(place, problem, "give a number from 0 to 1"));
                 }
-                Ink::Color([roughness, ..]) if remap => Ink::Color([roughness.sqrt(); 3]),
+                ColorOrTexture::Color([roughness, ..]) if remap => ColorOrTexture::Color([roughness.sqrt(); 3]),
                 texture if remap && texture.is_texture() => {
                     let instead = "the texture is α itself, not its square: add \"bool remaproughness\" false";
                     self.output.approximated(place, "a textured roughness that is remapped", instead);
                     texture
                 }
-                ink => ink,
+                value => value,
             })
         };
         let both = [along("u")?, along("v")?];
-        self.textured |= both.iter().any(Ink::is_texture);
+        self.textured |= both.iter().any(ColorOrTexture::is_texture);
         Ok(match both {
-            [Ink::Color([u, ..]), Ink::Color([v, ..])] if u.max(v) < SMOOTH => None,
-            [Ink::Color([u, ..]), Ink::Color([v, ..])] if !anisotropic && u != v => {
+            [ColorOrTexture::Color([u, ..]), ColorOrTexture::Color([v, ..])] if u.max(v) < SMOOTH => None,
+            [ColorOrTexture::Color([u, ..]), ColorOrTexture::Color([v, ..])] if !anisotropic && u != v => {
                 self.output.approximated(place, "an anisotropic coat", "the mean of its roughnesses counts");
-                Some([Ink::Color([0.5 * (u + v); 3]), Ink::Color([0.5 * (u + v); 3])])
+                Some([ColorOrTexture::Color([0.5 * (u + v); 3]), ColorOrTexture::Color([0.5 * (u + v); 3])])
             }
-            both => Some(both.map(|ink| match ink {
-                Ink::Color([alpha, ..]) => Ink::Color([alpha.max(1e-4); 3]),
+            both => Some(both.map(|value| match value {
+                ColorOrTexture::Color([alpha, ..]) => ColorOrTexture::Color([alpha.max(1e-4); 3]),
                 texture => texture,
             })),
         })

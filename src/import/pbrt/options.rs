@@ -93,7 +93,8 @@ impl Options {
         let film = window(film, size, parameters)?;
         parameters.pass_over(&["filename", "savefp16", "diagonal"]);
         output.report_unused(&format!("film {}", shown(name)), parameters)?;
-        Ok((film.with_child("", filter), size))
+        // pbrt's camera paths start wherever a pixel's filter reaches.
+        Ok((film.with_flag("sample_border", true).with_child("", filter), size))
     }
 
     fn pixel_filter(&self, place: &Location, output: &mut Output<'_>) -> Result<Draft, SceneError> {
@@ -135,7 +136,7 @@ impl Options {
                 }
                 let [b, c] = ["B", "C"].map(|name| parameters.float(name));
                 let third = 1.0 / 3.0;
-                plugin("mitchell", place).with_float("A", b?.unwrap_or(third)).with_float("B", c?.unwrap_or(third))
+                plugin("mitchell", place).with_float("B", b?.unwrap_or(third)).with_float("C", c?.unwrap_or(third))
             }
             _ => {
                 let tau = parameters.float("tau")?.unwrap_or(3.0);

@@ -7,7 +7,7 @@ use super::light::AreaSource;
 use super::output::referring;
 use super::shape::{self, Setting};
 use super::text::Tokens;
-use super::texture::Ink;
+use super::texture::ColorOrTexture;
 use super::{Reader, material, named, string};
 use crate::scene::description::PluginClass;
 use crate::scene::error::{Location, SceneError, nearest_name};
@@ -27,7 +27,7 @@ impl Reader<'_> {
         let Surface { material, light, reverse, media, .. } = self.attributes.current.clone();
         let opacity = self.textures.number(&parameters, "alpha")?;
         let textured = material.as_ref().is_some_and(|material| material.textured);
-        let textured = textured || opacity.as_ref().is_some_and(Ink::is_texture);
+        let textured = textured || opacity.as_ref().is_some_and(ColorOrTexture::is_texture);
         let light = light.filter(|light| !light.is_black());
         let textured = textured || light.as_ref().is_some_and(AreaSource::is_textured);
         let setting = Setting { to_world: self.attributes.transform(), reverse, textured };

@@ -18,15 +18,15 @@ use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::texture::{Texture, TextureReader};
 
-/// A value that may vary over a surface.
+/// The value of a parameter: the same everywhere, or varying over a surface.
 #[derive(Clone, Debug)]
-pub(super) enum Ink {
+pub(super) enum ColorOrTexture {
     Color([f64; 3]),
     /// The id of a texture.
     Texture(String),
 }
 
-impl Ink {
+impl ColorOrTexture {
     /// Whether it is a texture.
     pub(super) fn is_texture(&self) -> bool {
         matches!(self, Self::Texture(_))
@@ -78,8 +78,8 @@ impl Ink {
 /// The textures by their names; those of numbers and those of spectra are apart.
 #[derive(Default)]
 pub(super) struct Textures {
-    floats: HashMap<String, Ink>,
-    spectra: HashMap<String, Ink>,
+    floats: HashMap<String, ColorOrTexture>,
+    spectra: HashMap<String, ColorOrTexture>,
 }
 
 const CLASSES: [&str; 12] = [
@@ -104,24 +104,24 @@ impl Textures {
         parameters: &Parameters,
         name: &str,
         output: &mut Output<'_>,
-    ) -> Result<Option<Ink>, SceneError> {
+    ) -> Result<Option<ColorOrTexture>, SceneError> {
         let Some(parameter) = parameters.find(name) else { return Ok(None) };
         if parameter.kind == "texture" {
             return Self::named(&self.spectra, parameter).map(Some);
         }
-        spectrum::read(parameter, Purpose::Reflectance, output).map(|rgb| Some(Ink::Color(rgb)))
+        spectrum::read(parameter, Purpose::Reflectance, output).map(|rgb| Some(ColorOrTexture::Color(rgb)))
     }
 
     /// The number or texture `name`.
-    pub(super) fn number(&self, parameters: &Parameters, name: &str) -> Result<Option<Ink>, SceneError> {
+    pub(super) fn number(&self, parameters: &Parameters, name: &str) -> Result<Option<ColorOrTexture>, SceneError> {
         match parameters.find(name) {
             None => Ok(None),
             Some(parameter) if parameter.kind == "texture" => Self::named(&self.floats, parameter).map(Some),
-            Some(parameter) => Ok(Some(Ink::Color([parameter.number()?; 3]))),
+            Some(parameter) => Ok(Some(ColorOrTexture::Color([parameter.number()?; 3]))),
         }
     }
 
-    fn named(textures: &HashMap<String, Ink>, parameter: &Parameter) -> Result<Ink, SceneError> {
+    fn named(textures: &HashMap<String, ColorOrTexture>, parameter: &Parameter) -> Result<ColorOrTexture, SceneError> {
         let name = parameter.text()?;
         textures.get(name).cloned().ok_or_else(|| {
             let known: Vec<&str> = textures.keys().map(String::as_str).collect();
@@ -147,10 +147,10 @@ impl Textures {
                 return Err(SceneError::new(&parameters.place, problem, nearest_name(kind, &["float", "spectrum"])));
             }
         };
-        let ink = self.read(class, is_float, parameters, output)?;
+        let value = self.read(class, is_float, parameters, output)?;
         output.report_unused(&format!("texture {}", shown(class)), parameters)?;
         let textures = if is_float { &mut self.floats } else { &mut self.spectra };
-        if textures.insert(name.to_owned(), ink).is_none() {
+        if textures.insert(name.to_owned(), value).is_none() {
             return Ok(());
         }
         let problem = format!("there are two textures {}", shown(name));
@@ -163,25 +163,25 @@ impl Textures {
         is_float: bool,
         parameters: &Parameters,
         output: &mut Output<'_>,
-    ) -> Result<Ink, SceneError> {
+    ) -> Result<ColorOrTexture, SceneError> {
         let part = |name: &str, default: f64, output: &mut Output<'_>| {
             let given = match is_float {
                 true => self.number(parameters, name)?,
                 false => self.color(parameters, name, output)?,
             };
-            Ok::<Ink, SceneError>(given.unwrap_or(Ink::Color([default; 3])))
+            Ok::<ColorOrTexture, SceneError>(given.unwrap_or(ColorOrTexture::Color([default; 3])))
         };
-        let replaced = |ink: Ink, instead: &str, output: &mut Output<'_>| {
+        let replaced = |value: ColorOrTexture, instead: &str, output: &mut Output<'_>| {
             output.approximated(&parameters.place, format!("texture {}", shown(class)), instead);
-            Ok(ink)
+            Ok(value)
         };
         match class {
             "constant" => part("value", 1.0, output),
             "scale" => {
                 let (base, factor) = (part("tex", 1.0, output)?, self.number(parameters, "scale")?);
-                match (base, factor.unwrap_or(Ink::Color([1.0; 3]))) {
-                    (base, Ink::Color(factor)) => base.scaled(factor, parameters, output),
-                    (Ink::Color(factor), base) => base.scaled(factor, parameters, output),
+                match (base, factor.unwrap_or(ColorOrTexture::Color([1.0; 3]))) {
+                    (base, ColorOrTexture::Color(factor)) => base.scaled(factor, parameters, output),
+                    (ColorOrTexture::Color(factor), base) => base.scaled(factor, parameters, output),
                     (base, _) => replaced(base, "its scale, a texture too, counts as 1", output),
                 }
             }
@@ -196,13 +196,17 @@ impl Textures {
             }
             "mix" | "directionmix" => {
                 let (first, second) = (part("tex1", 0.0, output)?, part("tex2", 1.0, output)?);
-                let amount = self.number(parameters, "amount")?.unwrap_or(Ink::Color([0.5; 3]));
+                let amount = self.number(parameters, "amount")?.unwrap_or(ColorOrTexture::Color([0.5; 3]));
                 match (first, second, amount) {
-                    (Ink::Color(first), Ink::Color(second), Ink::Color([amount, ..])) if class == "mix" => {
+                    (
+                        ColorOrTexture::Color(first),
+                        ColorOrTexture::Color(second),
+                        ColorOrTexture::Color([amount, ..]),
+                    ) if class == "mix" => {
                         let mixed = |channel: usize| first[channel] * (1.0 - amount) + second[channel] * amount;
-                        Ok(Ink::Color(std::array::from_fn(mixed)))
+                        Ok(ColorOrTexture::Color(std::array::from_fn(mixed)))
                     }
-                    (_, second, Ink::Color([amount, ..])) if amount > 0.5 => {
+                    (_, second, ColorOrTexture::Color([amount, ..])) if amount > 0.5 => {
                         replaced(second, "\"tex2\" takes its place", output)
                     }
                     (first, ..) => replaced(first, "\"tex1\" takes its place", output),
@@ -210,7 +214,9 @@ impl Textures {
             }
             "bilerp" => replaced(part("v00", 0.0, output)?, "its color at (0, 0) takes its place", output),
             "dots" => replaced(part("outside", 0.0, output)?, "its color outside of the dots takes its place", output),
-            "fbm" | "marble" | "wrinkled" | "windy" => replaced(Ink::Color([0.5; 3]), "grey takes its place", output),
+            "fbm" | "marble" | "wrinkled" | "windy" => {
+                replaced(ColorOrTexture::Color([0.5; 3]), "grey takes its place", output)
+            }
             _ => {
                 let problem = format!("there is no texture {}", shown(class));
                 Err(SceneError::new(&parameters.place, problem, nearest_name(class, &CLASSES)))
@@ -238,7 +244,7 @@ fn map(scale: DVec3, offset: DVec3) -> DMat4 {
     DMat4::from_translation(offset.with_z(0.0)) * DMat4::from_scale(scale.with_z(1.0))
 }
 
-fn image(parameters: &Parameters, output: &mut Output<'_>) -> Result<Ink, SceneError> {
+fn image(parameters: &Parameters, output: &mut Output<'_>) -> Result<ColorOrTexture, SceneError> {
     let place = &parameters.place;
     let Some(name) = parameters.text("filename")? else {
         return Err(SceneError::new(place, "an imagemap has no \"filename\"", "name the image"));
@@ -280,11 +286,11 @@ fn image(parameters: &Parameters, output: &mut Output<'_>) -> Result<Ink, SceneE
         output.bright.insert(id.clone());
     }
     if !parameters.flag("invert")?.unwrap_or(false) {
-        return Ink::Texture(id).scaled([factor; 3], parameters, output);
+        return ColorOrTexture::Texture(id).scaled([factor; 3], parameters, output);
     }
     let inverted = Draft::new(PluginClass::Texture, "scale", place).with_float("scale", factor);
     let inverted = inverted.with_flag("invert", true).with_reference(&id);
-    Ok(Ink::Texture(output.define("texture", "inverted", inverted)?))
+    Ok(ColorOrTexture::Texture(output.define("texture", "inverted", inverted)?))
 }
 
 /// Whether an image file may hold values above 1.
@@ -325,11 +331,15 @@ pub(super) fn mean_color(texture: &Draft, output: &Output<'_>) -> Result<[f64; 3
 }
 
 /// pbrt's fields are 1 wide, photonfarm's 1/2.
-fn checkerboard(fields: [Ink; 2], parameters: &Parameters, output: &mut Output<'_>) -> Result<Ink, SceneError> {
+fn checkerboard(
+    fields: [ColorOrTexture; 2],
+    parameters: &Parameters,
+    output: &mut Output<'_>,
+) -> Result<ColorOrTexture, SceneError> {
     let [scale, offset] = mapping(parameters, output)?;
     let to_uv = map(0.5 * scale * DVec3::new(1.0, -1.0, 1.0), 0.5 * DVec3::new(offset.x, scale.y + offset.y, 0.0));
     let draft = Draft::new(PluginClass::Texture, "checkerboard", &parameters.place).with_transform("to_uv", to_uv);
     let [first, second] = fields;
     let draft = second.put(first.put(draft, "color0"), "color1");
-    Ok(Ink::Texture(output.define("texture", "checkerboard", draft)?))
+    Ok(ColorOrTexture::Texture(output.define("texture", "checkerboard", draft)?))
 }

@@ -6,12 +6,14 @@
 //! | `box` | 1 within `radius` | `radius` (0.5) |
 //! | `tent` | 1 - x/`radius` | `radius` (1) |
 //! | `gaussian` | exp(-x²/2σ²) - exp(-8), up to 4σ | `stddev` σ (0.5) |
-//! | `mitchell` | cubic up to 2 [Mitchell & Netravali 1988, "Reconstruction filters in computer graphics", eq. 8] | `A` (⅓) and `B` (⅓), the authors' B and C |
+//! | `mitchell` | cubic up to 2 [Mitchell & Netravali 1988, "Reconstruction filters in computer graphics", eq. 8] | `B` (⅓) and `C` (⅓) |
 //! | `catmullrom` | the same with 0 and ½ | – |
 //! | `lanczos` | sinc(πx)·sinc(πx/`lobes`), up to `lobes` | `lobes` (3) |
 //!
 //! The last three have negative lobes: places are sampled by the absolute weight, and each path counts ±∫|f|/∫f. The signs are
 //! noise even where a picture is even, so methods with smooth passes take `gaussian` instead: see `MethodEntry::negative_lobes`.
+//!
+//! At the edges of a picture, where no camera path starts outside, the part of a filter that lies inside stands for the whole.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -34,6 +36,8 @@ pub enum Filter {
         bins: Arc<Discrete>,
         /// What a sample counts, by bin: 1, or ±∫|f|/∫f where the filter has negative lobes; empty for all 1.
         counts: Arc<[f32]>,
+        /// ∫f up to the left edge of each bin, and up to the end, as a share of the whole; with negative lobes not monotonic.
+        integrals: Arc<[f32]>,
     },
 }
 
@@ -56,7 +60,7 @@ pub(super) fn read(node: &Node) -> Result<Filter, SceneError> {
         }
         "gaussian" => Filter::gaussian(size(&mut fields, "stddev", 0.5)?),
         "mitchell" => {
-            let [b, c] = [cubic_parameter(&mut fields, "A")?, cubic_parameter(&mut fields, "B")?];
+            let [b, c] = [cubic_parameter(&mut fields, "B")?, cubic_parameter(&mut fields, "C")?];
             Filter::sampled(2.0, |x| cubic(x, b, c))
         }
         "catmullrom" => Filter::sampled(2.0, |x| cubic(x, 0.0, 0.5)),
@@ -136,7 +140,13 @@ impl Filter {
                 weights.iter().map(|weight| count.copysign(*weight) as f32).collect()
             }
         };
-        Self::Sampled { radius: radius as f32, bins: Arc::new(bins), counts: counts.into() }
+        let whole: f64 = weights.iter().sum();
+        let sums = weights.iter().scan(0.0, |sum, weight| {
+            *sum += weight;
+            Some((*sum / whole) as f32)
+        });
+        let integrals = std::iter::once(0.0).chain(sums).collect();
+        Self::Sampled { radius: radius as f32, bins: Arc::new(bins), counts: counts.into(), integrals }
     }
 
     /// Whether some paths count negatively.
@@ -159,7 +169,7 @@ impl Filter {
     pub fn weight(&self, place: f32) -> f32 {
         match self {
             Self::Box => f32::from(u8::from((0.0..1.0).contains(&place))),
-            Self::Sampled { radius, bins, counts } => {
+            Self::Sampled { radius, bins, counts, .. } => {
                 let bin = ((place - 0.5) / radius + 1.0) * (0.5 * BINS as f32);
                 if !(0.0..BINS as f32).contains(&bin) {
                     return 0.0;
@@ -176,11 +186,64 @@ impl Filter {
     pub fn sample(&self, u: f32) -> (f32, f32) {
         match self {
             Self::Box => (u, 1.0),
-            Self::Sampled { radius, bins, counts } => {
+            Self::Sampled { radius, bins, counts, .. } => {
                 let (bin, rest) = bins.pick(u);
                 let place = 0.5 + radius * ((bin as f32 + rest) * (2.0 / BINS as f32) - 1.0);
                 (place, counts.get(bin).copied().unwrap_or(1.0))
             }
         }
+    }
+
+    /// [`Filter::weight`] of the part of the filter between two places from the pixel's left or upper edge; that part has an
+    /// integral of 1.
+    #[inline]
+    pub fn weight_within(&self, place: f32, edges: [f32; 2]) -> f32 {
+        if self.lies_within(edges) { self.weight(place) } else { self.weight(place) / self.integral(edges) }
+    }
+
+    /// [`Filter::sample`] of the part of the filter between two places from the pixel's left or upper edge.
+    #[inline]
+    pub fn sample_within(&self, u: f32, edges: [f32; 2]) -> (f32, f32) {
+        if self.lies_within(edges) { self.sample(u) } else { self.sample_part(u, edges) }
+    }
+
+    #[inline]
+    fn lies_within(&self, [first, last]: [f32; 2]) -> bool {
+        match self {
+            Self::Box => true,
+            Self::Sampled { radius, .. } => first <= 0.5 - radius && last >= 0.5 + radius,
+        }
+    }
+
+    #[inline(never)]
+    fn sample_part(&self, u: f32, edges: [f32; 2]) -> (f32, f32) {
+        let Self::Sampled { bins, counts, .. } = self else { return self.sample(u) };
+        let [low, high] = edges.map(|edge| bins.share_below(self.bin_of(edge)));
+        let (place, count) = self.sample(low + u * (high - low));
+        // Where no weight is negative the two integrals are the same, up to rounding.
+        let count = if counts.is_empty() { 1.0 } else { count * (high - low) / self.integral(edges) };
+        // Rounding must not lead out of the picture.
+        (place.clamp(edges[0], edges[1]), count)
+    }
+
+    /// The bin of a place from the pixel's left or upper edge, with the part of it that lies below.
+    fn bin_of(&self, place: f32) -> f32 {
+        match self {
+            Self::Box => 0.0,
+            Self::Sampled { radius, .. } => {
+                (((place - 0.5) / radius + 1.0) * (0.5 * BINS as f32)).clamp(0.0, BINS as f32)
+            }
+        }
+    }
+
+    /// ∫f between two places from the pixel's left or upper edge, as a share of the whole.
+    fn integral(&self, edges: [f32; 2]) -> f32 {
+        let Self::Sampled { integrals, .. } = self else { return 1.0 };
+        let [low, high] = edges.map(|edge| {
+            let bin = self.bin_of(edge);
+            let whole = (bin as usize).min(BINS - 1);
+            integrals[whole] + (integrals[whole + 1] - integrals[whole]) * (bin - whole as f32)
+        });
+        high - low
     }
 }

@@ -47,6 +47,8 @@ impl ShapeGeometry {
 pub fn read_cube(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
+    // Its faces are flat without being told so.
+    fields.ignore(&["face_normals"]);
     let mut corners = [Vec3::ZERO; 8];
     for (index, corner) in corners.iter_mut().enumerate() {
         let sign = |bit: usize| if index >> bit & 1 == 1 { 1.0 } else { -1.0 };

@@ -27,6 +27,8 @@ pub struct Rectangle {
 pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
+    // It is flat without being told so.
+    fields.ignore(&["face_normals"]);
     let (x, y) = (to_world.vector(DVec3::X), to_world.vector(DVec3::Y));
     let normal = to_world.normal(DVec3::Z) * if flip { -1.0 } else { 1.0 };
     let rectangle = Rectangle {

@@ -11,7 +11,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
-use super::outlook::{Aim, Lamp, Outlook};
+use super::importance::{Aim, Lamp, LightImportance};
 use super::{DirectSample, EmittedPhoton, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
@@ -161,7 +161,7 @@ impl AreaLight {
     }
 
     /// From one side of a plane, or from what shines to all sides alike.
-    pub fn outlook(&self, geometry: &Geometry) -> Outlook {
+    pub fn importance(&self, geometry: &Geometry) -> LightImportance {
         let primitives = || self.primitives.iter().map(|index| geometry.primitive(*index));
         let middle = |primitive: &Primitive| primitive.sample([0.5; 2]);
         let center = primitives().map(|one| middle(one).position * (one.area() / self.area)).sum::<Vec3>();
@@ -182,7 +182,7 @@ impl AreaLight {
             Some(normal) => (power * FRAC_1_PI, Aim::Side(normal)),
             None => (power * warp::SPHERE_PDF, Aim::Everywhere),
         };
-        Outlook::Near(Lamp { center, radius, intensity, aim })
+        LightImportance::Near(Lamp { center, radius, intensity, aim })
     }
 
     fn single_sphere(&self, geometry: &Geometry) -> Option<crate::scene::geometry::sphere::Sphere> {

@@ -6,7 +6,7 @@
 
 use std::f32::consts::PI;
 
-use super::{DirectSample, EmittedPhoton, Outlook, Surroundings};
+use super::{DirectSample, EmittedPhoton, LightImportance, Surroundings};
 use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
@@ -23,6 +23,8 @@ pub struct Constant {
 impl Constant {
     /// Reads the parameters.
     pub fn read(fields: &mut Fields<'_>, surroundings: Surroundings) -> Result<Self, SceneError> {
+        // It is the same in all directions.
+        fields.ignore(&["to_world"]);
         let rgb = fields.rgb("radiance")?.unwrap_or([1.0; 3]).map(|channel| channel as f32);
         Ok(Self { radiance: Rgb::from_array(rgb), surroundings })
     }
@@ -48,8 +50,8 @@ impl Constant {
     }
 
     /// π·L on every surface.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
-        Outlook::Far { irradiance: PI * luminance(self.radiance) }
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
+        LightImportance::Far { irradiance: PI * luminance(self.radiance) }
     }
 
     /// A direction uniform over the sphere.

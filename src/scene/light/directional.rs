@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::{DirectSample, EmittedPhoton, Outlook, Surroundings};
+use super::{DirectSample, EmittedPhoton, LightImportance, Surroundings};
 use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3};
 use crate::scene::error::SceneError;
@@ -49,8 +49,8 @@ impl Directional {
     }
 
     /// The same everywhere.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
-        Outlook::Far { irradiance: luminance(self.irradiance) }
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
+        LightImportance::Far { irradiance: luminance(self.irradiance) }
     }
 
     /// E from one direction.

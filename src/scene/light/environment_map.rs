@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 
-use super::{DirectSample, EmittedPhoton, Outlook, Surroundings};
+use super::{DirectSample, EmittedPhoton, LightImportance, Surroundings};
 use crate::math::color::luminance;
 use crate::math::discrete::ONE_MINUS_EPSILON;
 use crate::math::grid_distribution::GridDistribution;
@@ -178,8 +178,8 @@ impl EnvironmentMap {
     }
 
     /// Its mean on the box around the scene.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
-        Outlook::Far { irradiance: luminance(self.power) / self.surroundings.surface() }
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
+        LightImportance::Far { irradiance: luminance(self.power) / self.surroundings.surface() }
     }
 
     /// A direction by the light that comes from it.

@@ -21,7 +21,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::outlook::{Aim, Lamp, Outlook};
+use super::importance::{Aim, Lamp, LightImportance};
 use super::point::read_intensity;
 use super::{DirectSample, EmittedPhoton};
 use crate::math::color::luminance;
@@ -75,9 +75,9 @@ impl Ies {
     }
 
     /// Its mean intensity into every direction.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
         let intensity = luminance(self.power()) * warp::SPHERE_PDF;
-        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity, aim: Aim::Everywhere })
+        LightImportance::Near(Lamp { center: self.position, radius: 0.0, intensity, aim: Aim::Everywhere })
     }
 
     /// I(direction)/d².

@@ -8,7 +8,7 @@ pub mod constant;
 pub mod directional;
 pub mod environment_map;
 pub mod ies;
-pub mod outlook;
+pub mod importance;
 pub mod point;
 pub mod projector;
 mod read;
@@ -24,10 +24,10 @@ pub use constant::Constant;
 pub use directional::Directional;
 pub use environment_map::EnvironmentMap;
 pub use ies::Ies;
-pub use outlook::{Outlook, Place};
+pub use importance::{LightImportance, Place};
 pub use point::Point;
 pub use projector::Projector;
-pub use read::read;
+pub use read::{check_sampling_weight, read};
 pub use spot::Spot;
 pub use surroundings::Surroundings;
 pub use table::LightTable;
@@ -133,9 +133,9 @@ macro_rules! lights {
                 match self { $(Self::$kind(light) => light.power()),+ }
             }
 
-            /// How bright it may be at a place, for choosing among lights.
-            pub fn outlook(&self, geometry: &Geometry) -> Outlook {
-                match self { $(Self::$kind(light) => light.outlook(geometry)),+ }
+            /// What its importance at a place is computed from, for choosing among lights.
+            pub fn importance(&self, geometry: &Geometry) -> LightImportance {
+                match self { $(Self::$kind(light) => light.importance(geometry)),+ }
             }
 
             /// Samples light that may arrive at `point`.

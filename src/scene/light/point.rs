@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 
 use glam::DVec3;
 
-use super::outlook::{Aim, Lamp, Outlook};
+use super::importance::{Aim, Lamp, LightImportance};
 use super::{DirectSample, EmittedPhoton};
 use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3, warp};
@@ -49,9 +49,9 @@ impl Point {
     }
 
     /// The same into every direction.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
         let intensity = luminance(self.intensity);
-        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity, aim: Aim::Everywhere })
+        LightImportance::Near(Lamp { center: self.position, radius: 0.0, intensity, aim: Aim::Everywhere })
     }
 
     /// I/d².

@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 
 use glam::DVec3;
 
-use super::outlook::{Aim, Lamp, Outlook};
+use super::importance::{Aim, Lamp, LightImportance};
 use super::{DirectSample, EmittedPhoton};
 use crate::math::color::luminance;
 use crate::math::{Rgb, Vec2, Vec3};
@@ -89,12 +89,12 @@ impl Projector {
     }
 
     /// Its brightest direction's intensity in the whole cone round the image, with room for rounding at its rim.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
         const ROOM: f32 = 1e-4;
         let cosine = 1.0 / (1.0 + self.half_extent.length_squared()).sqrt();
         let brightest = luminance(self.irradiance.range()[1]) * PI * self.scale / (cosine * cosine * cosine);
         let aim = Aim::Cone(self.axes[2], cosine - ROOM);
-        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity: brightest, aim })
+        LightImportance::Near(Lamp { center: self.position, radius: 0.0, intensity: brightest, aim })
     }
 
     /// I(direction)/d².

@@ -48,6 +48,22 @@ pub fn read(
     };
     let mut source = Source { fields: Fields::new(node), surroundings, textures, bundle };
     let light = read(&mut source)?;
+    check_sampling_weight(&mut source.fields)?;
     source.fields.finish()?;
     Ok(light)
+}
+
+/// Reads `sampling_weight`, which says how often Mitsuba samples an emitter. Lights are picked by their importance here, so that it
+/// changes no picture.
+///
+/// # Errors
+/// When the weight is not above 0: Mitsuba then never samples the emitter, and one that directions cannot hit is dark.
+pub fn check_sampling_weight(fields: &mut Fields<'_>) -> Result<(), SceneError> {
+    match fields.float("sampling_weight")? {
+        Some(weight) if weight <= 0.0 => {
+            let remedy = "give a number above 0, or remove the emitter";
+            Err(fields.error("sampling_weight", format!("\"sampling_weight\" is {weight}"), remedy))
+        }
+        _ => Ok(()),
+    }
 }

@@ -11,7 +11,7 @@ use std::f32::consts::PI;
 
 use glam::DVec3;
 
-use super::outlook::{Aim, Lamp, Outlook};
+use super::importance::{Aim, Lamp, LightImportance};
 use super::point::read_intensity;
 use super::{DirectSample, EmittedPhoton};
 use crate::math::color::luminance;
@@ -133,12 +133,12 @@ impl Spot {
     }
 
     /// Full intensity in the whole cone, with room for rounding at its rim.
-    pub fn outlook(&self, _geometry: &Geometry) -> Outlook {
+    pub fn importance(&self, _geometry: &Geometry) -> LightImportance {
         const ROOM: f32 = 1e-4;
         let aim = Aim::Cone(self.axis.normal, 1.0 - self.one_minus_cosine - ROOM);
         let brightest = self.image.as_ref().map_or(1.0, |image| luminance(image.texture.range()[1]));
         let intensity = luminance(self.intensity) * brightest;
-        Outlook::Near(Lamp { center: self.position, radius: 0.0, intensity, aim })
+        LightImportance::Near(Lamp { center: self.position, radius: 0.0, intensity, aim })
     }
 
     /// I(angle)/d².

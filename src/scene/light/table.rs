@@ -1,7 +1,7 @@
 //! All lights of a scene: photons pick them by power, surfaces mostly by what may arrive.
 
 use super::area::Emission;
-use super::outlook::{Outlook, Outlooks, Place};
+use super::importance::{ImportanceSampler, LightImportance, Place};
 use super::{DirectSample, EmittedPhoton, FirstSegment, Light, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
@@ -16,7 +16,7 @@ pub struct LightTable {
     /// What is seen and lights nothing; shapes hold [`SEEN_ONLY`] plus an index.
     seen_only: Vec<Emission>,
     by_power: Discrete,
-    by_place: Outlooks,
+    by_place: ImportanceSampler,
     /// Index of the light that surrounds the scene.
     environment: Option<usize>,
     has_extent: bool,
@@ -34,8 +34,8 @@ impl LightTable {
     pub fn new(lights: Vec<Light>, geometry: &Geometry) -> Option<Self> {
         let powers: Vec<f64> = lights.iter().map(|light| f64::from(luminance(light.power()))).collect();
         let by_power = Discrete::new(&powers)?;
-        let outlooks: Vec<Outlook> = lights.iter().map(|light| light.outlook(geometry)).collect();
-        let by_place = Outlooks::new(&outlooks, NEAREST * geometry.bounding_sphere().1);
+        let importances: Vec<LightImportance> = lights.iter().map(|light| light.importance(geometry)).collect();
+        let by_place = ImportanceSampler::new(&importances, NEAREST * geometry.bounding_sphere().1);
         let environment = lights.iter().position(Light::is_environment);
         let has_extent = lights.iter().any(Light::has_extent);
         let emitters: Vec<u32> = lights

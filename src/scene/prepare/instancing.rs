@@ -48,6 +48,7 @@ impl Builder<'_> {
             return Ok(*index);
         }
         let mut fields = Fields::new(node);
+        fields.ignore(&[super::OF_DERIVATIVES]);
         let mut shapes = Vec::new();
         for child in fields.children(PluginClass::Shape) {
             check_member(child)?;
@@ -79,6 +80,7 @@ impl Builder<'_> {
         }
         let group = self.group(shape)?;
         let instance = Instance::read(&mut fields, group)?;
+        fields.ignore(&[super::OF_DERIVATIVES]);
         let bounds = instance.bounds(self.instancing.groups[group as usize].bounds());
         check_reach(node, std::iter::once(bounds))?;
         self.instancing.instances.push(instance);

@@ -21,6 +21,7 @@ pub(super) fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> 
     }
     let mut fields = Fields::new(node);
     let emission = area::read(&mut fields, textures)?;
+    light::check_sampling_weight(&mut fields)?;
     fields.finish()?;
     Ok(emission)
 }

@@ -21,7 +21,7 @@ pub use raster::Raster;
 pub use reader::TextureReader;
 pub use scale::Scale;
 
-/// The plugin of [`Texture::Constant`]: a color or number `value`, 1 by default.
+/// The plugin of [`Texture::Constant`]: a color, vector or number `value`, 1 by default.
 const CONSTANT: &str = "rawconstant";
 
 /// Reads the parameters of a texture plugin.
@@ -123,7 +123,12 @@ fn number_of(rgb: Rgb) -> f32 {
 fn read_plugin(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Texture, SceneError> {
     let plugin = &fields.node().plugin;
     if plugin == CONSTANT {
-        let color = fields.rgb("value")?.unwrap_or([1.0; 3]);
+        // Three numbers that are no color are a vector.
+        let vector = if fields.is_vector("value") { fields.vector("value")? } else { None };
+        let color = match vector {
+            Some(vector) => vector.to_array(),
+            None => fields.rgb("value")?.unwrap_or([1.0; 3]),
+        };
         return Ok(Texture::Constant(Rgb::from_array(color.map(|channel| channel as f32))));
     }
     let Some((_, read)) = TEXTURES.iter().find(|(name, _)| name == plugin) else {

@@ -1,9 +1,9 @@
-//! How bright lights may be at a place, from a few numbers of each: picks a light by place.
+//! Light importance: an estimate of each light's unshadowed contribution at a place, by which a light is picked there.
 //!
-//! Importances are peaks of intensity over the square of the distance, W·m⁻², where the place lies in the light's cone and the light
-//! over the place's horizon, times about both cosines. Eight lights are
-//! looked at together; many are kept in groups of neighbours, so that a pick costs about 2·√n of n lights. What is in between
-//! is not looked at. After Conty Estevez & Kulla 2018, "Importance sampling of many lights with adaptive tree splitting", with groups
+//! The importance of a light is its peak intensity over the square of the distance, W·m⁻², where the place lies in the light's cone
+//! and the light over the place's horizon, times approximate cosines at both ends. Eight lights are evaluated together; many
+//! are kept in groups of neighbours, so that a pick evaluates about 2·√n of n lights. Occlusion is ignored.
+//! After Conty Estevez & Kulla 2018, "Importance sampling of many lights with adaptive tree splitting", with groups
 //! instead of a tree: the large boxes near a tree's root tell places apart badly.
 
 use crate::math::Vec3;
@@ -18,9 +18,9 @@ const GROUP: usize = 128;
 /// What light at a grazing angle counts, at a flat lamp and where it arrives, as a share of that along the normal.
 const EDGE: f32 = 0.1;
 
-/// What a place needs to know of a light.
+/// What the importance of a light is computed from.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Outlook {
+pub enum LightImportance {
     /// Inside the scene.
     Near(Lamp),
     /// Outside: the same everywhere.
@@ -30,7 +30,7 @@ pub enum Outlook {
     },
 }
 
-/// A light in the scene, as places see it.
+/// The bounds of a light in the scene: place, extent, intensity and direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lamp {
     /// The middle, m.
@@ -194,17 +194,17 @@ impl Lamps {
     }
 }
 
-/// Lights, to be picked by place.
+/// Picks lights in proportion to their importance at a place.
 #[derive(Clone, Debug)]
-pub struct Outlooks {
+pub struct ImportanceSampler {
     /// Lights outside and their irradiance.
     far: Vec<(u32, f32)>,
     far_total: f32,
     /// Each group as one lamp; empty when there is only one group.
     groups: Option<Lamps>,
     members: Vec<Group>,
-    /// Where each light is found.
-    seats: Vec<Seat>,
+    /// Where each light is stored.
+    slots: Vec<Slot>,
 }
 
 #[derive(Clone, Debug)]
@@ -214,26 +214,26 @@ struct Group {
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Seat {
+enum Slot {
     Far { irradiance: f32 },
     Near { group: u32, member: u32 },
 }
 
-impl Outlooks {
+impl ImportanceSampler {
     /// Over lights by index. Nothing is nearer to a lamp than `nearest`, m, so that places on a point light stay finite.
-    pub fn new(lights: &[Outlook], nearest: f32) -> Self {
+    pub fn new(lights: &[LightImportance], nearest: f32) -> Self {
         let (mut far, mut near) = (Vec::new(), Vec::new());
-        let mut seats = vec![Seat::Far { irradiance: 0.0 }; lights.len()];
+        let mut slots = vec![Slot::Far { irradiance: 0.0 }; lights.len()];
         // Shares of the whole keep far from the ends of f32 whatever the unit.
-        let brightest = lights.iter().map(Outlook::brightness).fold(f32::MIN_POSITIVE, f32::max);
-        for (index, outlook) in (0u32..).zip(lights) {
-            match *outlook {
-                Outlook::Far { irradiance } => {
+        let brightest = lights.iter().map(LightImportance::brightness).fold(f32::MIN_POSITIVE, f32::max);
+        for (index, importance) in (0u32..).zip(lights) {
+            match *importance {
+                LightImportance::Far { irradiance } => {
                     let irradiance = irradiance / brightest;
                     far.push((index, irradiance));
-                    seats[index as usize] = Seat::Far { irradiance };
+                    slots[index as usize] = Slot::Far { irradiance };
                 }
-                Outlook::Near(lamp) => {
+                LightImportance::Near(lamp) => {
                     let (radius, intensity) = (lamp.radius.max(nearest), lamp.intensity / brightest);
                     near.push((index, Lamp { radius, intensity, ..lamp }));
                 }
@@ -244,7 +244,7 @@ impl Outlooks {
         split(near, &mut parts);
         for (group, members) in (0u32..).zip(&parts) {
             for (member, (light, _)) in (0u32..).zip(members) {
-                seats[*light as usize] = Seat::Near { group, member };
+                slots[*light as usize] = Slot::Near { group, member };
             }
         }
         let groups = (parts.len() > 1).then(|| Lamps::new(parts.iter().map(|members| joined(members))));
@@ -252,7 +252,7 @@ impl Outlooks {
             lamps: Lamps::new(members.iter().map(|(_, lamp)| *lamp)),
             lights: members.iter().map(|(light, _)| *light).collect(),
         };
-        Self { far, far_total, groups, members: parts.into_iter().map(group).collect(), seats }
+        Self { far, far_total, groups, members: parts.into_iter().map(group).collect(), slots }
     }
 
     /// A light for `place` with `u` in [0, 1), and the probability of that; `None` where no light shines to.
@@ -285,7 +285,7 @@ impl Outlooks {
         Some((lights[member] as usize, probability))
     }
 
-    /// The probability with which [`Outlooks::pick`] takes `light` at `place`.
+    /// The probability with which [`ImportanceSampler::pick`] takes `light` at `place`.
     #[inline]
     pub fn probability(&self, place: &Place, light: usize) -> f32 {
         let near = self.near_total(place);
@@ -293,9 +293,9 @@ impl Outlooks {
         if total <= 0.0 {
             return 0.0;
         }
-        match self.seats[light] {
-            Seat::Far { irradiance } => irradiance / total,
-            Seat::Near { group, member } => {
+        match self.slots[light] {
+            Slot::Far { irradiance } => irradiance / total,
+            Slot::Near { group, member } => {
                 let lamps = &self.members[group as usize].lamps;
                 let share = lamps.importance(place, member as usize);
                 match &self.groups {
@@ -317,7 +317,7 @@ impl Outlooks {
     }
 }
 
-impl Outlook {
+impl LightImportance {
     /// Intensity or irradiance.
     fn brightness(&self) -> f32 {
         match self {

@@ -1,0 +1,35 @@
+//! Emitters.
+
+use super::{Class, Plugin, passed_over, refused, same};
+use crate::import::compatibility::Support;
+use crate::scene::description::PluginClass;
+
+pub(super) const EMITTERS: Class = Class {
+    class: PluginClass::Emitter,
+    title: "Emitters",
+    parameters: &[passed_over("sampling_weight", "lights are picked by their importance; 0 is refused")],
+    plugins: &[
+        Plugin::new(
+            "area",
+            Support::Same,
+            "meshes with smooth normals shine where their triangles face, in Mitsuba where the normals do",
+            &[same("radiance")],
+        ),
+        Plugin::same("constant", &[same("radiance"), passed_over("to_world", "it is the same in all directions")]),
+        Plugin::same("directional", &[same("irradiance direction to_world")]),
+        Plugin::refused("directionalarea"),
+        Plugin::same(
+            "envmap",
+            &[
+                same("filename scale to_world"),
+                passed_over("mis_compensation", "it changes noise alone"),
+                refused("bitmap", "it is an object of a program"),
+            ],
+        ),
+        Plugin::same("point", &[same("intensity position to_world")]),
+        Plugin::same("projector", &[same("irradiance scale to_world fov fov_axis focal_length")]),
+        Plugin::same("spot", &[same("intensity cutoff_angle beam_width texture to_world")]),
+        Plugin::refused("sunsky"),
+        Plugin::refused("timed_sunsky"),
+    ],
+};

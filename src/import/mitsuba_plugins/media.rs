@@ -1,0 +1,44 @@
+//! Participating media.
+
+use super::{Class, Plugin, passed_over, refused, same};
+use crate::scene::description::PluginClass;
+
+pub(super) const MEDIA: Class = Class {
+    class: PluginClass::Medium,
+    title: "Participating media",
+    parameters: &[],
+    plugins: &[
+        Plugin::refused("heterogeneous"),
+        Plugin::same(
+            "homogeneous",
+            &[
+                same("sigma_t albedo scale"),
+                passed_over("sample_emitters has_spectral_extinction", "they choose how Mitsuba samples"),
+            ],
+        ),
+    ],
+};
+
+pub(super) const PHASES: Class = Class {
+    class: PluginClass::Phase,
+    title: "Phase functions",
+    parameters: &[],
+    plugins: &[
+        Plugin::refused("blendphase"),
+        Plugin::same("hg", &[same("g")]),
+        Plugin::same("isotropic", &[]),
+        Plugin::same("rayleigh", &[]),
+        Plugin::refused("sggx"),
+        Plugin::refused("tabphase"),
+    ],
+};
+
+pub(super) const VOLUMES: Class = Class {
+    class: PluginClass::Volume,
+    title: "Volumes",
+    parameters: &[],
+    plugins: &[
+        Plugin::same("constvolume", &[same("value"), refused("to_world", "leave it out: it is the same everywhere")]),
+        Plugin::refused("gridvolume"),
+    ],
+};
