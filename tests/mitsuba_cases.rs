@@ -325,3 +325,36 @@ fn media_are_refused_by_methods_that_do_not_render_them() {
         assert!(error.is_empty() || error.contains("participating media"), "{error}");
     }
 }
+
+/// A scene with one emitter and one transform of a shape.
+fn with(emitter: &str, rotation: &str) -> String {
+    format!(
+        "<scene version='3.0.0'><sensor type='perspective'><transform name='to_world'><translate z='-5'/></transform></sensor>\
+         <emitter type='constant'>{emitter}</emitter>\
+         <shape type='cube'><transform name='to_world'>{rotation}</transform></shape></scene>"
+    )
+}
+
+#[test]
+fn mitsuba_rotations_about_long_axes_are_noticed() {
+    for (rotation, told) in [
+        ("<rotate x='1' y='2' angle='30'/>", true),
+        ("<rotate value='0, 0.6, 0.8' angle='30'/>", false),
+        ("<rotate z='1' angle='30'/>", false),
+    ] {
+        let description = load_bytes("a.xml", with("", rotation).as_bytes(), &[]).expect("the scene loads");
+        let notices = description.notices.iter().filter(|notice| notice.subject.contains("an axis of length 2.236"));
+        assert_eq!(notices.count(), usize::from(told), "{rotation}");
+    }
+}
+
+#[test]
+fn emitters_that_are_never_sampled_are_refused() {
+    for (weight, good) in [(2.0, true), (0.0, false), (-1.0, false)] {
+        let emitter = format!("<float name='sampling_weight' value='{weight}'/>");
+        let description = load_bytes("a.xml", with(&emitter, "").as_bytes(), &[]).expect("the scene loads");
+        let error = Scene::prepare(&description).err().map(|error| error.to_string()).unwrap_or_default();
+        assert_eq!(error.is_empty(), good, "{error}");
+        assert!(good || error.contains("give a number above 0, or remove the emitter"), "{error}");
+    }
+}
