@@ -301,3 +301,36 @@ fn mitsuba_defaults_are_ours() {
     let explicit = format!("{board}<rgb name='color0' value='0.4'/><rgb name='color1' value='0.2'/></texture>");
     assert_eq!(outcome("bsdf", "diffuse", &format!("{board}</texture>")), outcome("bsdf", "diffuse", &explicit));
 }
+
+/// A scene with one emitter and one transform of a shape.
+fn with(emitter: &str, rotation: &str) -> String {
+    format!(
+        "<scene version='3.0.0'><sensor type='perspective'><transform name='to_world'><translate z='-5'/></transform></sensor>\
+         <emitter type='constant'>{emitter}</emitter>\
+         <shape type='cube'><transform name='to_world'>{rotation}</transform></shape></scene>"
+    )
+}
+
+#[test]
+fn mitsuba_rotations_about_long_axes_are_noticed() {
+    for (rotation, told) in [
+        ("<rotate x='1' y='2' angle='30'/>", true),
+        ("<rotate value='0, 0.6, 0.8' angle='30'/>", false),
+        ("<rotate z='1' angle='30'/>", false),
+    ] {
+        let description = load_bytes("a.xml", with("", rotation).as_bytes(), &[]).expect("the scene loads");
+        let notices = description.notices.iter().filter(|notice| notice.subject.contains("an axis of length 2.236"));
+        assert_eq!(notices.count(), usize::from(told), "{rotation}");
+    }
+}
+
+#[test]
+fn emitters_that_are_never_sampled_are_refused() {
+    for (weight, good) in [(2.0, true), (0.0, false), (-1.0, false)] {
+        let emitter = format!("<float name='sampling_weight' value='{weight}'/>");
+        let description = load_bytes("a.xml", with(&emitter, "").as_bytes(), &[]).expect("the scene loads");
+        let error = Scene::prepare(&description).err().map(|error| error.to_string()).unwrap_or_default();
+        assert_eq!(error.is_empty(), good, "{error}");
+        assert!(good || error.contains("give a number above 0, or remove the emitter"), "{error}");
+    }
+}

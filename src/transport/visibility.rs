@@ -45,9 +45,11 @@ pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) 
         return through_surfaces(scene, *joint, counters);
     }
     counters.rays += 1;
+    // A copy: a joint whose parts are known elsewhere by address would not be kept in registers.
+    let ray = joint.ray;
     let is_blocked = match joint.blockers {
-        Blockers::Seen => scene.is_hidden_from_camera(&joint.ray),
-        _ => scene.geometry.is_blocked(&joint.ray),
+        Blockers::Seen => scene.is_hidden_from_camera(&ray),
+        _ => scene.geometry.is_blocked(&ray),
     };
     match is_blocked {
         true => Rgb::ZERO,
@@ -56,7 +58,7 @@ pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) 
     }
 }
 
-// What scenes without media never call takes values: a joint whose address is known elsewhere is not kept in registers.
+// What scenes without media never call takes values, for the same reason.
 
 /// The share that the medium lets pass on the part of a joint behind `passed` surfaces.
 #[cold]

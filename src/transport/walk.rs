@@ -110,8 +110,9 @@ impl Walk {
         self.steps += 1;
         counters.rays += 1;
         let is_seen_first = self.mode == TransportMode::Radiance && self.steps == 1;
-        let mut surface =
-            if is_seen_first { scene.intersect_from_camera(&self.ray) } else { scene.intersect(&self.ray) };
+        // A copy: a walk whose parts are known elsewhere by address would not be kept in registers.
+        let ray = self.ray;
+        let mut surface = if is_seen_first { scene.intersect_from_camera(&ray) } else { scene.intersect(&ray) };
         if self.medium.is_none() {
             return Step { surface, scattered: None };
         }
@@ -129,10 +130,11 @@ impl Walk {
     /// between that end and the camera.
     #[inline(always)]
     pub fn arriving(&self, scene: &Scene, hit: Option<&Interaction>, is_seen: bool) -> Option<(Rgb, f32)> {
+        let place = self.place;
         match hit {
-            Some(hit) => scene.lights.emitted(&scene.geometry, &self.place, hit, is_seen),
+            Some(hit) => scene.lights.emitted(&scene.geometry, &place, hit, is_seen),
             None if scene.hides_lights && self.straight => None,
-            None => scene.lights.environment(&self.place, self.ray.direction),
+            None => scene.lights.environment(&place, self.ray.direction),
         }
     }
 
@@ -212,7 +214,7 @@ impl Walk {
     }
 }
 
-// What scenes without media never call takes and gives values: a walk whose address is known elsewhere is not kept in registers.
+// What scenes without media never call takes and gives values, for the same reason.
 
 /// The medium that a photon begins in, and the share of it that gets there: light from outside has crossed the outermost one for ever.
 #[cold]

@@ -1,5 +1,8 @@
 """Pictures and meshes that the small scenes refer to."""
 
+import struct
+import zlib
+
 import mitsuba as mi
 import numpy as np
 
@@ -43,6 +46,33 @@ def write_meshes(folder):
     (folder / "gem.ply").write_text(header + "property list uchar int vertex_indices\nend_header\n" + "\n".join(rows) + "\n")
 
 
+def write_smooth_meshes(folder):
+    """The same with normals that are not those of its triangles."""
+    unit = [np.array(corner) / np.linalg.norm(corner) for corner in CORNERS]
+    normals = [" ".join(f"{value:.4f}" for value in normal) for normal in unit]
+    lines = [f"v {x} {y} {z}" for x, y, z in CORNERS] + [f"vn {normal}" for normal in normals]
+    lines += [f"vt {u} {v}" for u, v in COORDINATES]
+    lines += ["f " + " ".join(f"{corner + 1}/{corner + 1}/{corner + 1}" for corner in face) for face in FACES]
+    (folder / "smooth.obj").write_text("\n".join(lines) + "\n")
+    names = "".join(f"property float {name}\n" for name in ["x", "y", "z", "nx", "ny", "nz", "u", "v"])
+    header = f"ply\nformat ascii 1.0\nelement vertex {len(CORNERS)}\n{names}element face {len(FACES)}\n"
+    rows = [f"{x} {y} {z} {normal} {u} {v}" for (x, y, z), normal, (u, v) in zip(CORNERS, normals, COORDINATES)]
+    rows += [" ".join(map(str, (3, *face))) for face in FACES]
+    (folder / "smooth.ply").write_text(header + "property list uchar int vertex_indices\nend_header\n" + "\n".join(rows) + "\n")
+
+
+def write_serialized(path):
+    """The mesh twice, upright and lying, in version 4 of the serialized format: single precision, with texture coordinates."""
+    content, offsets = b"", []
+    for corners in [CORNERS, [(z, x, y) for x, y, z in CORNERS]]:
+        mesh = struct.pack("<I", 0x1002) + b"\0" + struct.pack("<QQ", len(corners), len(FACES))
+        mesh += np.array(corners, dtype="<f4").tobytes() + np.array(COORDINATES, dtype="<f4").tobytes()
+        mesh += np.array(FACES, dtype="<u4").tobytes()
+        offsets.append(len(content))
+        content += struct.pack("<HH", 0x041C, 4) + zlib.compress(mesh)
+    path.write_bytes(content + struct.pack(f"<{len(offsets)}QI", *offsets, len(offsets)))
+
+
 def write_files(folder):
     folder.mkdir(parents=True, exist_ok=True)
     random = np.random.default_rng(3)
@@ -56,3 +86,9 @@ def write_files(folder):
     sky[2, 5] = [9, 8, 6]
     write_floats(folder / "sky.exr", sky)
     write_meshes(folder)
+    write_smooth_meshes(folder)
+    # Its corners turn as seen from above, its normals point down.
+    square = ["v -2 -2 4", "v 0 -2 4", "v 0 0 4", "v -2 0 4", "vn 0 0 -1", "f 1//1 2//1 3//1", "f 1//1 3//1 4//1"]
+    (folder / "opposed.obj").write_text("\n".join(square) + "\n")
+    write_serialized(folder / "two.serialized")
+    (folder / "green.spd").write_text("400 0.1\n480 0.3\n550 0.9\n620 0.4\n700 0.2\n")

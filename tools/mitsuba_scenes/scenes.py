@@ -177,6 +177,10 @@ SHAPES = {
   <transform name='to_world'><scale x='0.6' y='1.5' z='0.9'/><rotate z='1' angle='50'/><translate x='1' z='0.6'/></transform>
 </shape>""",
     ),
+    "obj-normals": shape("obj", text("filename", "files/smooth.obj") + TURNED),
+    "ply-normals": shape("ply", text("filename", "files/smooth.ply") + TURNED),
+    "serialized": shape("serialized", text("filename", "files/two.serialized") + TURNED),
+    "serialized-second": shape("serialized", text("filename", "files/two.serialized") + "<integer name='shape_index' value='1'/>" + TURNED),
     "default-bsdf": scene(
         SKY,
         LAMP,
@@ -284,6 +288,18 @@ BSDFS = {
         )
     ),
     "null": subject(bsdf("null")),
+    "roughdielectric-textured": subject(bsdf("roughdielectric", GREY.format("alpha") + bitmap("specular_transmittance"))),
+    "roughplastic-textured": subject(bsdf("roughplastic", bitmap("diffuse_reflectance") + GREY.format("specular_reflectance"))),
+    "principled-textured": subject(bsdf("principled", bitmap("base_color") + GREY.format("metallic") + GREY.format("roughness"))),
+    "mask-of-conductor": subject(bsdf("mask", number("opacity", 0.7) + bsdf("conductor"))),
+    "twosided-bumpmap": subject(
+        bsdf("twosided", bsdf("bumpmap", bitmap("arbitrary", flag("raw", "true"), "bump.png") + number("scale", 0.3) + LEAF)),
+        "cylinder",
+        "<transform name='to_world'><scale z='1.2'/><translate z='0.2'/></transform>",
+    ),
+    "normalmap-plastic": subject(
+        bsdf("normalmap", bitmap("normalmap", flag("raw", "true"), "normal.png") + bsdf("roughplastic", number("alpha", 0.2)))
+    ),
 }
 
 EMITTERS = {
@@ -297,6 +313,10 @@ EMITTERS = {
     "area-smooth-mesh": light(
         f"<shape type='obj'>{text('filename', 'files/gem.obj')}<transform name='to_world'><translate x='-1' y='-1.5'"
         " z='3.5'/></transform><emitter type='area'><rgb name='radiance' value='3, 2, 1'/></emitter></shape>"
+    ),
+    "area-opposed-normals": light(
+        "<shape type='obj'><string name='filename' value='files/opposed.obj'/>"
+        "<emitter type='area'><rgb name='radiance' value='3, 2, 1'/></emitter></shape>"
     ),
     "area-cylinder": light(
         "<shape type='cylinder'><point name='p0' x='-2' y='-1' z='3'/><point name='p1' x='1' y='0' z='4'/><float name='radius'"
@@ -312,6 +332,19 @@ EMITTERS = {
     ),
     "spot-textured": light(
         f"<emitter type='spot'>{AIM}{number('cutoff_angle', 30)}{bitmap('texture')}<rgb name='intensity' value='30'/></emitter>"
+    ),
+    "point-moved": light(
+        "<emitter type='point'><transform name='to_world'><translate x='-1' y='-2' z='4'/></transform>"
+        "<rgb name='intensity' value='20, 15, 10'/></emitter>"
+    ),
+    "several": light(
+        SKY, LAMP, "<emitter type='point'><point name='position' x='2' y='-2' z='2'/><rgb name='intensity' value='3, 1, 1'/></emitter>"
+    ),
+    "area-inside": scene(
+        "<shape type='sphere'><float name='radius' value='20'/><boolean name='flip_normals' value='true'/>"
+        "<emitter type='area'><rgb name='radiance' value='0.6, 0.5, 0.4'/></emitter></shape>",
+        FLOOR,
+        f"<shape type='sphere'>{SPHERE}{bsdf('plastic')}</shape>",
     ),
     "directional": light(
         "<emitter type='directional'><vector name='direction' x='1' y='1' z='-2'/><rgb name='irradiance' value='2, 1.5, 1'/></emitter>"
@@ -438,6 +471,7 @@ SPECTRA = {
     "emitted-pairs": lit_by(f"<spectrum name='radiance' value='{PAIRS}'/>"),
     "emitted-rgb": lit_by(rgb("radiance", "0.7, 0.2, 0.9")),
     "emitted-srgb": lit_by(spectrum(rgb("color", "0.7, 0.2, 0.9"), "srgb")),
+    "reflected-file": subject(bsdf("diffuse", "<spectrum name='reflectance' filename='files/green.spd'/>")),
     "reflected-number": subject(bsdf("diffuse", "<spectrum name='reflectance' value='0.3'/>")),
     "reflected-pairs": subject(bsdf("diffuse", f"<spectrum name='reflectance' value='{PAIRS}'/>")),
     "reflected-regular": subject(
@@ -466,6 +500,18 @@ MEDIA = {
     "hg": medium(WHITE + "<phase type='hg'/>"),
     "hg-backward": medium(WHITE + "<phase type='hg'><float name='g' value='-0.5'/></phase>"),
     "rayleigh": medium(WHITE + "<phase type='rayleigh'/>"),
+    "colored-albedo": medium(
+        number("sigma_t", 2) + rgb("albedo", "0.95, 0.7, 0.4") + "<phase type='hg'><float name='g' value='0.6'/></phase>"
+    ),
+    "round-camera": scene(
+        LAMP,
+        FLOOR,
+        f"<shape type='sphere'>{SPHERE}{LEAF}</shape>",
+        integrator=VOLPATH,
+        camera=sensor(
+            inside="<float name='fov' value='30'/><medium type='homogeneous' id='fog'><float name='sigma_t' value='0.1'/></medium>"
+        ),
+    ),
     "in-glass": medium(number("sigma_t", 0.7) + WHITE, bsdf("dielectric", number("int_ior", 1.3))),
     "in-rough-glass": medium(number("sigma_t", 0.7) + WHITE, bsdf("roughdielectric", number("alpha", 0.3))),
 }

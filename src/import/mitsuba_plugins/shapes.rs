@@ -1,6 +1,7 @@
 //! Shapes.
 
 use super::{Class, Plugin, passed_over, same};
+use crate::import::compatibility::Support;
 use crate::scene::description::PluginClass;
 
 pub(super) const SHAPES: Class = Class {
@@ -8,6 +9,7 @@ pub(super) const SHAPES: Class = Class {
     title: "Shapes",
     parameters: &[passed_over("silhouette_sampling_weight", "it belongs to derivatives")],
     plugins: &[
+        Plugin::new("blender", Support::Refused, "it is a mesh in the memory of Blender", &[]),
         Plugin::refused("bsplinecurve"),
         Plugin::same("cube", &[same("to_world flip_normals"), passed_over("face_normals", "its faces are flat")]),
         Plugin::same("cylinder", &[same("to_world flip_normals p0 p1 radius")]),

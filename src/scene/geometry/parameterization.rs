@@ -64,7 +64,7 @@ impl Geometry {
 
     /// A point uniform by area on the primitive at a tree index, with its texture coordinates.
     pub fn sample_with_uv(&self, primitive: u32, u: [f32; 2]) -> (SurfacePoint, Vec2) {
-        let point = self.primitive(primitive).sample(u);
+        let point = self.sample(primitive, u);
         (point, self.uv_at(primitive, point.position, warp::triangle(u).to_array()))
     }
 

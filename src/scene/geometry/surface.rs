@@ -7,8 +7,8 @@ use super::instance::{Instance, Instances};
 use super::mesh::ShapeGeometry;
 use super::parameterization::AtVertices;
 use super::primitive::Primitive;
-use super::ray::{PrimitiveHit, Ray};
-use crate::math::Frame;
+use super::ray::{PrimitiveHit, Ray, SurfacePoint};
+use crate::math::{Frame, warp};
 
 /// Marks a shape without light.
 pub const NO_LIGHT: u32 = u32::MAX;
@@ -241,7 +241,7 @@ impl Geometry {
         let info = self.info[index];
         let (shading, geometric) = match info.shading {
             NO_SHADING => (point.normal, point.normal),
-            shading => self.shading_normal(shading, hit, point.normal),
+            shading => self.shading_normal(shading, hit.barycentric, point.normal),
         };
         let shape = self.shapes[info.shape as usize];
         let mut interaction = Interaction {
@@ -263,10 +263,25 @@ impl Geometry {
         interaction
     }
 
+    /// A point uniform by area on the primitive at a tree index, with its normal on the side that a hit there has it.
+    #[inline]
+    pub fn sample(&self, primitive: u32, u: [f32; 2]) -> SurfacePoint {
+        let point = self.primitive(primitive).sample(u);
+        if self.shading_normals.is_empty() {
+            return point;
+        }
+        match self.info[primitive as usize].shading {
+            NO_SHADING => point,
+            shading => {
+                let (_, normal) = self.shading_normal(shading, warp::triangle(u).to_array(), point.normal);
+                SurfacePoint { normal, ..point }
+            }
+        }
+    }
+
     /// The interpolated normal, and the true one turned to its side: the file's normals say what is outside.
-    fn shading_normal(&self, shading: u32, hit: &PrimitiveHit, geometric: Vec3) -> (Vec3, Vec3) {
+    fn shading_normal(&self, shading: u32, [v, w]: [f32; 2], geometric: Vec3) -> (Vec3, Vec3) {
         let [a, b, c] = self.shading_normals[shading as usize];
-        let [v, w] = hit.barycentric;
         let Some(normal) = (a * (1.0 - v - w) + b * v + c * w).try_normalize() else {
             return (geometric, geometric);
         };

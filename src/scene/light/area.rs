@@ -141,7 +141,7 @@ impl AreaLight {
         let (pick, rest) = self.picks.pick(u[0]);
         let primitive = self.primitives[pick];
         if let Texture::Constant(radiance) = self.radiance {
-            return (geometry.primitive(primitive).sample([rest, u[1]]), primitive, radiance, self.area);
+            return (geometry.sample(primitive, [rest, u[1]]), primitive, radiance, self.area);
         }
         let (point, uv) = geometry.sample_with_uv(primitive, [rest, u[1]]);
         let area = geometry.primitive(primitive).area() / self.picks.probability(pick);
@@ -162,17 +162,18 @@ impl AreaLight {
 
     /// From one side of a plane, or from what shines to all sides alike.
     pub fn importance(&self, geometry: &Geometry) -> LightImportance {
-        let primitives = || self.primitives.iter().map(|index| geometry.primitive(*index));
-        let middle = |primitive: &Primitive| primitive.sample([0.5; 2]);
-        let center = primitives().map(|one| middle(one).position * (one.area() / self.area)).sum::<Vec3>();
-        let corners =
-            primitives().map(|one| one.bounds()).map(|(low, high)| (center - low).abs().max((high - center).abs()));
+        let primitives = || self.primitives.iter().map(|index| (geometry.primitive(*index), *index));
+        let middle = |index: u32| geometry.sample(index, [0.5; 2]);
+        let center = primitives().map(|(one, index)| middle(index).position * (one.area() / self.area)).sum::<Vec3>();
+        let corners = primitives()
+            .map(|(one, _)| one.bounds())
+            .map(|(low, high)| (center - low).abs().max((high - center).abs()));
         let radius = corners.map(Vec3::length).fold(0.0, f32::max);
-        let first = primitives().next().map(middle);
+        let first = primitives().next().map(|(_, index)| middle(index));
         let normal = first.map(|point| point.normal).filter(|normal| {
             !self.two_sided
-                && primitives().all(|one| {
-                    let point = middle(one);
+                && primitives().all(|(one, index)| {
+                    let point = middle(index);
                     let is_on_plane = (point.position - center).dot(*normal).abs() <= ROUNDING * radius;
                     is_flat(one) && point.normal.dot(*normal) >= 1.0 - ROUNDING && is_on_plane
                 })

@@ -57,7 +57,7 @@ pub(super) fn reverse_pdf(scene: &Scene, hit: &Interaction, view: &View, inciden
 
 impl Vertex {
     /// Where a walk came to a surface.
-    #[inline]
+    #[inline(always)]
     pub fn new(walk: &Walk, hit: &Interaction, sums: Sums) -> Self {
         let Walk { throughput, segments, steps, medium, .. } = *walk;
         Self { hit: *hit, throughput, sums, segments, steps, medium }
