@@ -40,6 +40,7 @@ const NEEDED: &[(&str, &str)] = &[
     ),
     ("srgb", "<rgb name='color' value='0.5, 0.4, 0.3'/>"),
     ("constvolume", "<float name='value' value='0.6'/>"),
+    ("gridvolume", "<string name='filename' value='grid.vol'/>"),
     ("aov", "<integrator type='path'/>"),
     ("moment", "<integrator type='path'/>"),
     ("stokes", "<integrator type='path'/>"),
@@ -49,6 +50,8 @@ const NEEDED: &[(&str, &str)] = &[
 const VALUES: &[(&str, &str, &str)] = &[
     ("area", "radiance", "<rgb name='radiance' value='3, 2, 1'/>"),
     ("constvolume", "value", "<float name='value' value='0.3'/>"),
+    ("gridvolume", "wrap_mode", "<string name='wrap_mode' value='repeat'/>"),
+    ("gridvolume", "filename", "<string name='filename' value='other.vol'/>"),
     ("normalmap", "normalmap", ""),
     ("obj", "flip_tex_coords", "<boolean name='flip_tex_coords' value='false'/>"),
     ("obj", "filename", "<string name='filename' value='other.obj'/>"),
@@ -72,6 +75,8 @@ const VALUES: &[(&str, &str, &str)] = &[
     ("projector", "fov_axis", "<float name='fov' value='50'/><string name='fov_axis' value='diagonal'/>"),
     ("perspective", "fov_axis", "<float name='fov' value='50'/><string name='fov_axis' value='diagonal'/>"),
     ("thinlens", "fov_axis", "<float name='fov' value='50'/><string name='fov_axis' value='diagonal'/>"),
+    ("", "max_value", "<float name='max_value' value='1'/>"),
+    ("", "use_grid_bbox", "<boolean name='use_grid_bbox' value='true'/>"),
     ("", "accel", "<boolean name='accel' value='false'/>"),
     ("", "albedo", "<rgb name='albedo' value='0.3'/>"),
     ("", "alpha", "<float name='alpha' value='0.35'/>"),
@@ -102,6 +107,7 @@ const VALUES: &[(&str, &str, &str)] = &[
     ("", "crop_offset_y", "<integer name='crop_offset_y' value='5'/>"),
     ("", "crop_width", "<integer name='crop_width' value='5'/>"),
     ("", "cutoff_angle", "<float name='cutoff_angle' value='30'/>"),
+    ("", "grid", "<string name='grid' value='x'/>"),
     ("", "data", "<string name='data' value='x'/>"),
     ("", "diffuse_reflectance", "<rgb name='diffuse_reflectance' value='0.2'/>"),
     ("", "diffuse_reflectance_sampling_rate", "<float name='diffuse_reflectance_sampling_rate' value='0.5'/>"),
@@ -250,7 +256,7 @@ fn outcome(class: PluginClass, title: &str, plugin: &str, given: &str) -> Result
         }
         PluginClass::Volume => {
             let volume = node("volume", " name='albedo'");
-            shape = in_medium(&format!("<medium name='interior' type='homogeneous'>{volume}</medium>"));
+            shape = in_medium(&format!("<medium name='interior' type='heterogeneous'>{volume}</medium>"));
         }
         PluginClass::Integrator => integrator_node = node("integrator", ""),
         PluginClass::Scene => panic!("a scene is no plugin of a scene"),
@@ -305,9 +311,20 @@ fn files() -> Files {
     files.insert("other.obj".to_owned(), changed("gem.obj").into());
     files.insert("other.ply".to_owned(), changed("gem.ply").into());
     files.insert("other.exr".to_owned(), read("half.exr").into());
+    files.insert("grid.vol".to_owned(), grid(0.4).into());
+    files.insert("other.vol".to_owned(), grid(0.3).into());
     files.insert("two.serialized".to_owned(), serialized(&[1.0, 2.0]).into());
     files.insert("other.serialized".to_owned(), serialized(&[1.5]).into());
     files
+}
+
+/// Mitsuba's grids, version 3: two numbers in a box.
+fn grid(number: f32) -> Vec<u8> {
+    let mut file = b"VOL\x03".to_vec();
+    file.extend([1_i32, 2, 1, 1, 1].iter().flat_map(|header| header.to_le_bytes()));
+    let numbers = [0.0, 0.0, 0.0, 2.0, 1.0, 1.0, 0.2, number];
+    file.extend(numbers.iter().flat_map(|number: &f32| number.to_le_bytes()));
+    file
 }
 
 /// Mitsuba's serialized meshes, version 4: one tetrahedron with texture coordinates of each height.

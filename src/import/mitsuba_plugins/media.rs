@@ -8,7 +8,13 @@ pub(super) const MEDIA: Class = Class {
     title: "Participating media",
     parameters: &[],
     plugins: &[
-        Plugin::refused("heterogeneous"),
+        Plugin::same(
+            "heterogeneous",
+            &[
+                same("sigma_t albedo scale"),
+                passed_over("sample_emitters has_spectral_extinction", "they choose how Mitsuba samples"),
+            ],
+        ),
         Plugin::same(
             "homogeneous",
             &[
@@ -39,6 +45,14 @@ pub(super) const VOLUMES: Class = Class {
     parameters: &[],
     plugins: &[
         Plugin::same("constvolume", &[same("value"), refused("to_world", "leave it out: it is the same everywhere")]),
-        Plugin::refused("gridvolume"),
+        Plugin::same(
+            "gridvolume",
+            &[
+                same("filename filter_type wrap_mode use_grid_bbox to_world"),
+                passed_over("raw", "colors are linear Rec. 709"),
+                passed_over("accel max_value", "they choose how Mitsuba samples"),
+                refused("grid data", "a scene's volume is a file"),
+            ],
+        ),
     ],
 };

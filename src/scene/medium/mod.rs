@@ -82,7 +82,7 @@ pub(super) fn read(node: &Node, bundle: &Bundle) -> Result<Medium, SceneError> {
         return Err(fields.error("scale", format!("\"scale\" is {scale}"), "give a scale of at least 0"));
     }
     // They choose how Mitsuba samples.
-    fields.ignore(&["sample_emitters", "has_spectral_extinction", "majorant_resolution_factor"]);
+    fields.ignore(&["sample_emitters", "has_spectral_extinction"]);
     let phase = fields.child(PluginClass::Phase).map_or(Ok(Phase::Isotropic), |node| phase::read(node))?;
     fields.finish()?;
     let scale = scale as f32;

@@ -58,8 +58,8 @@ pub(super) struct Grid {
 
 impl std::fmt::Debug for Grid {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let [x, y, z] = self.size;
-        write!(formatter, "Grid of {x} × {y} × {z}")
+        let Self { size: [x, y, z], largest, to_cube, filter, wrap, .. } = self;
+        write!(formatter, "Grid of {x} × {y} × {z} up to {largest}, {filter:?}, {wrap:?}, {to_cube:?}")
     }
 }
 
@@ -130,8 +130,8 @@ fn read_grid(node: &Node, bundle: &Bundle) -> Result<Grid, SceneError> {
     };
     let to_world = fields.transform("to_world")?;
     let in_box = fields.boolean("use_grid_bbox")?.unwrap_or(false);
-    // Colors are what they are, and sizes are the file's own business.
-    fields.ignore(&["raw", "accel"]);
+    // Colors are what they are, and the rest chooses how Mitsuba samples.
+    fields.ignore(&["raw", "accel", "max_value"]);
     fields.finish()?;
     let read = parse(&bundle.read(file, location)?, location)?;
     let to_world = if in_box { to_world * read.place } else { to_world };
