@@ -8,7 +8,7 @@ use std::f32::consts::{PI, TAU};
 
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Vec2, Vec3, warp};
-use photonfarm::scene::geometry::{Geometry, Interaction, Ray, Shape};
+use photonfarm::scene::geometry::{Geometry, Interaction, Ray, Shape, TexturePoint};
 use shape_text::read_shapes;
 
 fn uniform(family: u32, index: u32) -> [f32; 4] {
@@ -259,7 +259,7 @@ fn analytic_sampled_points_have_the_coordinates_of_their_hits() {
         for index in 0..500 {
             let u = uniform(7, index);
             let primitive = if name == "cube" { index % 12 } else { 0 };
-            let (point, uv) = geometry.sample_with_uv(primitive, [u[0], u[1]]);
+            let (point, TexturePoint { uv, .. }) = geometry.sample_for_texture(primitive, [u[0], u[1]]);
             let hit = geometry.intersect(&Ray::new(point.position + point.normal, -point.normal));
             let hit = hit.expect("the point is found again");
             let seam = (hit.uv - uv).abs().max_element() > 0.9;

@@ -34,7 +34,7 @@ use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::ray::{largest, position_error};
 use crate::scene::geometry::surface::NO_INSTANCE;
-use crate::scene::geometry::{Interaction, Shape};
+use crate::scene::geometry::{Detail, Interaction, Shape};
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
@@ -100,8 +100,8 @@ struct HitPoint {
     /// Material, and segments from the camera in the top byte.
     material_and_segments: u32,
     parameterization: Parameterization,
-    /// `Interaction::partials`.
-    partials: [f32; 3],
+    /// `Interaction::detail`.
+    detail: Detail,
 }
 
 /// Texture coordinates as floats of 24 bits each, a 2¹⁶th exact; then the tangent's turn from that of [`Frame::from_normal`]
@@ -166,7 +166,7 @@ impl HitPoint {
             throughput: point.throughput,
             material_and_segments: hit.shape.material | point.segments.min(255) << MATERIAL_BITS,
             parameterization: Parameterization::new(hit),
-            partials: hit.partials,
+            detail: hit.detail,
         }
     }
 
@@ -190,7 +190,7 @@ impl HitPoint {
             primitive: 0,
             instance: NO_INSTANCE,
             error,
-            partials: self.partials,
+            detail: self.detail,
         };
         GatherPoint {
             hit,

@@ -3,6 +3,7 @@
 mod checks;
 mod instancing;
 mod lights;
+mod materials;
 mod media;
 
 use std::collections::HashMap;
@@ -22,7 +23,7 @@ use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::integrator::{self, Integrator};
 use super::light::area::Emission;
 use super::light::{LightTable, Place};
-use super::material::{self, Lobes, Material};
+use super::material::{Lobes, Material};
 use super::medium::{Medium, MediumIndex};
 use super::notice::Notice;
 use super::texture::TextureReader;
@@ -30,6 +31,7 @@ use crate::math::{Rgb, Vec3};
 use checks::{check_reach, check_view};
 use instancing::Instancing;
 use lights::{light_table, place_area_lights, read_area_light};
+use materials::KnownMaterial;
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference. A clone shares all that is
 /// large.
@@ -76,7 +78,7 @@ struct Builder<'a> {
     seen_only: Vec<Emission>,
     materials: Vec<Material>,
     /// Materials by the address of their node, so that shared nodes become one material, as shapes without light.
-    material_of_node: HashMap<*const Node, Shape>,
+    material_of_node: HashMap<*const Node, KnownMaterial>,
     /// Media, and their indices by the address of their node.
     media: Vec<Medium>,
     boundaries: Vec<[MediumIndex; 2]>,
@@ -192,7 +194,7 @@ impl Scene {
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
         let mut hit = self.geometry.intersect(ray)?;
         if hit.shape.needs_partials {
-            hit.partials = self.geometry.partials_in_frame(&hit);
+            hit.detail = self.geometry.partials_in_frame(&hit);
         }
         Some(hit)
     }
@@ -294,7 +296,9 @@ impl<'a> Builder<'a> {
             return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
         };
         let mut fields = Fields::new(node);
-        let geometry = read(&mut fields, self.bundle)?;
+        let mut geometry = read(&mut fields, self.bundle)?;
+        self.textures.set_shape(Some(std::mem::take(&mut geometry.attributes)));
+        let asked = self.textures.attributes_asked();
         if node.plugin == "sphere" && !ToWorld::read(&mut fields)?.is_similarity() {
             let explanation = "it stays a sphere, with the scale along x";
             let notice = Notice::approximated(&node.location, "a sphere that is scaled unevenly", explanation);
@@ -308,6 +312,16 @@ impl<'a> Builder<'a> {
         let shape = Shape { boundary: self.boundary_of(&mut fields, &node.location)?, ..shape };
         let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
+        geometry.needs_places = self.textures.attributes_asked() > asked;
+        self.textures.set_shape(None);
+        if geometry.needs_places && shape.needs_partials {
+            let problem = "a shape with a bumpmap reads a mesh_attribute";
+            return Err(SceneError::new(
+                &node.location,
+                problem,
+                "take one of them off, or make the bumpmap a normalmap",
+            ));
+        }
         self.check_extent(node, &geometry)?;
         let emitter = emitter.filter(|emission| emission.radiance.range()[1] != Rgb::ZERO);
         let needs_uv = shape.needs_uv || emitter.as_ref().is_some_and(|emission| emission.radiance.varies());
@@ -334,29 +348,6 @@ impl<'a> Builder<'a> {
                 .push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
         }
         Ok(())
-    }
-
-    /// A shape with the material, and what of texture coordinates that needs.
-    fn material(&mut self, node: &Arc<Node>) -> Result<Shape, SceneError> {
-        let address = Arc::as_ptr(node);
-        if let Some(known) = self.material_of_node.get(&address) {
-            return Ok(*known);
-        }
-        let asked = (self.textures.coordinates_asked(), self.textures.partials_asked());
-        self.materials.push(material::read(node, &mut self.textures)?);
-        let shape = Shape {
-            needs_uv: self.textures.coordinates_asked() > asked.0,
-            needs_partials: self.textures.partials_asked() > asked.1,
-            ..Shape::new(self.materials.len() as u32 - 1)
-        };
-        self.material_of_node.insert(address, shape);
-        Ok(shape)
-    }
-
-    /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5, but black to those that emit.
-    fn default_material(&mut self, emits: bool) -> u32 {
-        self.materials.push(if emits { Material::black() } else { Material::default_grey() });
-        self.materials.len() as u32 - 1
     }
 }
 

@@ -63,7 +63,7 @@ use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::Node;
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
-use crate::scene::geometry::Interaction;
+use crate::scene::geometry::{Interaction, TexturePoint};
 use crate::scene::texture::TextureReader;
 
 pub use blend::Blend;
@@ -96,29 +96,27 @@ pub enum TransportMode {
 /// A material seen from a direction: what a question about scattering is about.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// Texture coordinates.
-    pub uv: Vec2,
+    /// Where textures are looked up.
+    pub point: TexturePoint,
     /// Local unit direction in which the path came, pointing away from the surface.
     pub outgoing: Vec3,
     /// What the path carries.
     pub mode: TransportMode,
     /// Only these lobes count.
     pub lobes: Lobes,
-    /// See [`Interaction::partials`](crate::scene::geometry::Interaction::partials).
-    pub partials: [f32; 3],
 }
 
 impl View {
     /// All lobes at `uv`, seen from `outgoing`.
     pub fn new(uv: Vec2, outgoing: Vec3, mode: TransportMode) -> Self {
-        Self { uv, outgoing, mode, lobes: Lobes::ALL, partials: [0.0; 3] }
+        Self { point: uv.into(), outgoing, mode, lobes: Lobes::ALL }
     }
 
     /// The surface as the path that came to `hit` sees it, with all lobes.
     #[inline]
     pub fn at(hit: &Interaction, mode: TransportMode) -> Self {
         let outgoing = hit.frame.to_local(hit.outgoing);
-        Self { uv: hit.uv, outgoing, mode, lobes: Lobes::ALL, partials: hit.partials }
+        Self { point: hit.texture_point(), outgoing, mode, lobes: Lobes::ALL }
     }
 
     /// The same view of some lobes only.

@@ -35,6 +35,6 @@ impl NormalSource for NormalImage {
     }
 
     fn normal(&self, view: &View) -> Option<Vec3> {
-        (self.normals.color(view.uv) * 2.0 - 1.0).try_normalize()
+        (self.normals.color(&view.point) * 2.0 - 1.0).try_normalize()
     }
 }

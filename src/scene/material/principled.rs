@@ -30,9 +30,10 @@ use super::lobe_choice::{LobeChoice, followed_share, mean};
 use super::microfacet::{self, LongTail, Microfacets, Shape};
 use super::rough_dielectric::{refract, refraction_scale};
 use super::{Lobes, MaterialSample, SpecularLobes, View, flip, fresnel};
-use crate::math::{Rgb, Vec2, Vec3, color, warp};
+use crate::math::{Rgb, Vec3, color, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
 
 /// Disney's material.
@@ -104,7 +105,7 @@ fn read_index(fields: &mut Fields<'_>, lets_light_through: bool) -> Result<f32, 
 
 /// Whether a texture is `value` everywhere.
 fn is_everywhere(texture: &Texture, value: f32) -> bool {
-    !texture.varies() && texture.number(Vec2::ZERO) == value
+    !texture.varies() && texture.number(&TexturePoint::default()) == value
 }
 
 impl Principled {
@@ -141,8 +142,8 @@ impl Principled {
     fn find_kinds(&self) -> [Lobes; 3] {
         let has_matte = !is_everywhere(&self.metallic, 1.0) && !is_everywhere(&self.spec_trans, 1.0);
         let varies = self.roughness.varies() || self.anisotropic.varies();
-        let alpha = microfacet::mean_over_grid(varies, |uv| {
-            let (alpha_u, alpha_v) = alphas(self.roughness.number(uv), self.anisotropic.number(uv));
+        let alpha = microfacet::mean_over_grid(varies, |point| {
+            let (alpha_u, alpha_v) = alphas(self.roughness.number(point), self.anisotropic.number(point));
             0.5 * (alpha_u + alpha_v)
         });
         [
@@ -153,12 +154,12 @@ impl Principled {
     }
 
     fn at(&self, view: &View) -> Place {
-        let number = |texture: &Texture| texture.number(view.uv).clamp(0.0, 1.0);
+        let number = |texture: &Texture| texture.number(&view.point).clamp(0.0, 1.0);
         let (metallic, spec_trans) = (number(&self.metallic), number(&self.spec_trans));
         let (alpha_u, alpha_v) = alphas(number(&self.roughness), number(&self.anisotropic));
         let is_front = view.outgoing.z >= 0.0;
         Place {
-            base_color: self.base_color.color(view.uv),
+            base_color: self.base_color.color(&view.point),
             microfacets: Microfacets::new(Shape::Ggx, alpha_u, alpha_v),
             metallic,
             matte: (1.0 - metallic) * (1.0 - spec_trans),
@@ -173,7 +174,7 @@ impl Principled {
     fn shares(&self, view: &View, place: &Place) -> [f32; 3] {
         /// Main specular parts are sampled at least so often: their share grows away from the mirror direction.
         const LEAST_MAIN: f32 = 0.02;
-        let number = |texture: &Texture| texture.number(view.uv).clamp(0.0, 1.0);
+        let number = |texture: &Texture| texture.number(&view.point).clamp(0.0, 1.0);
         let seen = |part: usize, share: f32| if view.lobes.any(self.kinds[part]) { share } else { 0.0 };
         if !place.is_front {
             return [0.0, seen(1, place.glass), 0.0];
@@ -206,7 +207,7 @@ impl Principled {
     }
 
     fn coat(&self, view: &View) -> LongTail {
-        LongTail::new(0.1 - 0.099 * self.clearcoat_gloss.number(view.uv).clamp(0.0, 1.0))
+        LongTail::new(0.1 - 0.099 * self.clearcoat_gloss.number(&view.point).clamp(0.0, 1.0))
     }
 
     /// The BSDF and the density.
@@ -244,7 +245,7 @@ impl Principled {
 
     /// Matte, retro-reflecting and sheen part [Burley 2012, 5.3; Burley 2015, 5.3].
     fn matte_value(&self, view: &View, place: &Place, incident: Vec3, half: Vec3) -> Rgb {
-        let number = |texture: &Texture| texture.number(view.uv).clamp(0.0, 1.0);
+        let number = |texture: &Texture| texture.number(&view.point).clamp(0.0, 1.0);
         let (from, to) = (fresnel::schlick_weight(incident.z), fresnel::schlick_weight(place.outgoing.z));
         let cosine = half.dot(incident);
         let back = 2.0 * number(&self.roughness) * cosine * cosine;
@@ -271,7 +272,7 @@ impl Principled {
         }
         let mut color = place.metallic * fresnel::schlick(place.base_color, cosine, place.relative_index);
         if reflected > 0.0 {
-            let tint = self.spec_tint.number(view.uv).clamp(0.0, 1.0);
+            let tint = self.spec_tint.number(&view.point).clamp(0.0, 1.0);
             let normal = ((place.relative_index - 1.0) / (place.relative_index + 1.0)).powi(2);
             let tinted = fresnel::schlick(place.hue() * normal, cosine, place.relative_index);
             color += (1.0 - place.metallic) * (Rgb::splat((1.0 - tint) * reflected) + tint * tinted);
@@ -285,7 +286,7 @@ impl Principled {
         let density = self.coat(view).density(half);
         let shadowing = Microfacets::new(Shape::Ggx, 0.25, 0.25).shadowing(place.outgoing, incident, half);
         let reflected = fresnel::schlick(Rgb::splat(0.04), cosine, place.relative_index).x;
-        let amount = 0.25 * self.clearcoat.number(view.uv).clamp(0.0, 1.0);
+        let amount = 0.25 * self.clearcoat.number(&view.point).clamp(0.0, 1.0);
         (amount * reflected * density * shadowing, density * half.z / (4.0 * cosine))
     }
 
