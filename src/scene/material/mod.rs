@@ -50,6 +50,7 @@ pub mod normal_map;
 pub mod null;
 pub mod plastic;
 pub mod principled;
+pub mod principled_thin;
 pub mod refractive_indices;
 pub mod rough_conductor;
 pub mod rough_dielectric;
@@ -77,6 +78,7 @@ pub use normal_map::NormalMap;
 pub use null::Null;
 pub use plastic::Plastic;
 pub use principled::Principled;
+pub use principled_thin::PrincipledThin;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_plastic::RoughPlastic;
@@ -328,6 +330,7 @@ materials! {
     Mask(Box<Mask>) = "mask",
     Null(Null) = "null",
     Principled(Box<Principled>) = "principled",
+    PrincipledThin(Box<PrincipledThin>) = "principledthin",
     DiffuseTransmitter(DiffuseTransmitter) = "difftrans",
     NormalMap(Box<NormalMap>) = "normalmap",
     BumpMap(Box<BumpMap>) = "bumpmap",
