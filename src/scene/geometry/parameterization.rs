@@ -65,10 +65,19 @@ impl Geometry {
 
     /// A point uniform by area on the primitive at a tree index, and where textures are looked up there.
     pub fn sample_for_texture(&self, primitive: u32, u: [f32; 2]) -> (SurfacePoint, TexturePoint) {
-        let (point, barycentric) = (self.primitive(primitive).sample(u), warp::triangle(u).to_array());
+        let point = self.primitive(primitive).sample(u);
+        (point, self.texture_point_at(primitive, point.position, warp::triangle(u).to_array()))
+    }
+
+    /// Where textures are looked up at a point of the primitive at a tree index; only triangles look at `barycentric`.
+    pub(in crate::scene) fn texture_point_at(
+        &self,
+        primitive: u32,
+        position: Vec3,
+        barycentric: [f32; 2],
+    ) -> TexturePoint {
         let detail = self.own_indices.get(primitive as usize).map(|own| Detail::on_mesh(*own, barycentric));
-        let uv = self.uv_at(primitive, point.position, barycentric);
-        (point, TexturePoint { uv, detail: detail.unwrap_or(Detail::NOWHERE) })
+        TexturePoint { uv: self.uv_at(primitive, position, barycentric), detail: detail.unwrap_or(Detail::NOWHERE) }
     }
 
     /// Fills in `uv` and the place on a mesh, and turns the frame so that its tangent is along ∂p/∂u.
@@ -83,9 +92,8 @@ impl Geometry {
             return;
         }
         let tangent = self.partials_at(hit.primitive, hit.position)[0];
-        // Normal maps of meshes follow the orientation of their coordinates.
-        let mirrored = self.coordinates.get(hit.primitive).is_some_and(|triangle| determinant(triangle) < 0.0);
-        hit.frame = tangent_frame(hit.frame.normal, tangent, mirrored);
+        // Right-handed even where coordinates are mirrored: so are the frames of Mitsuba (3.9.1), and its normal maps with them.
+        hit.frame = tangent_frame(hit.frame.normal, tangent, false);
     }
 
     /// Texture coordinates at a point of the primitive at a tree index; only triangles look at `barycentric`.
