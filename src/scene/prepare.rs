@@ -22,6 +22,7 @@ use super::geometry::transform::ToWorld;
 use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::integrator::{self, Integrator};
 use super::light::area::Emission;
+use super::light::directional_area::is_flat;
 use super::light::{LightTable, Place};
 use super::material::{Lobes, Material};
 use super::medium::{Medium, MediumIndex};
@@ -280,6 +281,9 @@ impl<'a> Builder<'a> {
         if instancing::PLUGINS.contains(&node.plugin.as_str()) {
             return self.add_instancing(node);
         }
+        if node.plugin == MERGE {
+            return members(node)?.into_iter().try_for_each(|member| self.add_shape(member));
+        }
         let (shape, geometry, emission) = self.read_shape(node)?;
         if let Some(emission) = emission {
             self.area_lights.push((self.shapes.len(), emission));
@@ -291,7 +295,8 @@ impl<'a> Builder<'a> {
     /// A shape that is made of primitives, and what it emits.
     fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Emission>), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
-            let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).collect();
+            let known: Vec<&str> =
+                SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).chain([MERGE]).collect();
             let problem = format!("there is no shape \"{}\"", node.plugin);
             return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
         };
@@ -324,6 +329,14 @@ impl<'a> Builder<'a> {
         }
         self.check_extent(node, &geometry)?;
         let emitter = emitter.filter(|emission| emission.radiance.range()[1] != Rgb::ZERO);
+        if emitter.as_ref().is_some_and(|emission| emission.along_normal && !is_flat(&geometry.primitives)) {
+            let problem = format!("\"directionalarea\" stands in a \"{}\" that is not flat", node.plugin);
+            return Err(SceneError::new(
+                &node.location,
+                problem,
+                "use flat shapes that face one way, each with its own",
+            ));
+        }
         let needs_uv = shape.needs_uv || emitter.as_ref().is_some_and(|emission| emission.radiance.varies());
         let mut shape = Shape { needs_uv, ..shape };
         if let Some(shown) = emitter.as_ref().filter(|emission| emission.seen_only) {
@@ -349,6 +362,17 @@ impl<'a> Builder<'a> {
         }
         Ok(())
     }
+}
+
+/// `merge`: Mitsuba makes one mesh of those of its members that have the same bsdf; here they stay what they are, which looks the same.
+const MERGE: &str = "merge";
+
+/// The shapes that a `merge` holds.
+fn members(merge: &Node) -> Result<Vec<&Arc<Node>>, SceneError> {
+    let mut fields = Fields::new(merge);
+    let members = fields.children(PluginClass::Shape);
+    fields.finish()?;
+    Ok(members)
 }
 
 fn read_sensor(node: &Node) -> Result<(Film, Camera, Option<&Arc<Node>>), SceneError> {

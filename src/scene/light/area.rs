@@ -31,6 +31,8 @@ pub struct Emission {
     pub two_sided: bool,
     /// Whether it is seen and lights nothing.
     pub seen_only: bool,
+    /// Whether it emits along the normal alone, as [`DirectionalArea`](super::DirectionalArea).
+    pub along_normal: bool,
 }
 
 impl Emission {
@@ -67,7 +69,13 @@ const ROUNDING: f32 = 1e-4;
 pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
     let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
     let mut flag = |name: &'static str| fields.boolean(name).map(|flag| flag.unwrap_or(false));
-    Ok(Emission { radiance, two_sided: flag("two_sided")?, seen_only: flag("seen_only")? })
+    Ok(Emission { radiance, two_sided: flag("two_sided")?, seen_only: flag("seen_only")?, along_normal: false })
+}
+
+/// Reads the parameters of `directionalarea`.
+pub fn read_along_normal(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
+    let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
+    Ok(Emission { radiance, two_sided: false, seen_only: false, along_normal: true })
 }
 
 fn is_flat(primitive: &Primitive) -> bool {

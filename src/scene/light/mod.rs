@@ -6,6 +6,7 @@
 pub mod area;
 pub mod constant;
 pub mod directional;
+pub mod directional_area;
 pub mod environment_map;
 pub mod ies;
 pub mod outlook;
@@ -22,6 +23,7 @@ use crate::scene::geometry::{Geometry, Interaction};
 pub use area::AreaLight;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use directional_area::DirectionalArea;
 pub use environment_map::EnvironmentMap;
 pub use ies::Ies;
 pub use outlook::{Outlook, Place};
@@ -153,7 +155,7 @@ macro_rules! lights {
     };
 }
 
-lights!(AreaLight, Point, Spot, Ies, Projector, Directional, Constant, EnvironmentMap);
+lights!(AreaLight, DirectionalArea, Point, Spot, Ies, Projector, Directional, Constant, EnvironmentMap);
 
 impl EmittedPhoton {
     /// A photon of a light without extent, for a density of directions by solid angle.
