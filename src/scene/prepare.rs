@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::bundle::Bundle;
 use super::camera::{self, Camera};
 use super::description::{Node, PluginClass, SceneDescription};
-use super::error::{SceneError, nearest_name};
+use super::error::SceneError;
 use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
@@ -28,6 +28,7 @@ use super::material::{Lobes, Material};
 use super::medium::{Medium, MediumIndex};
 use super::notice::Notice;
 use super::texture::TextureReader;
+use super::unsupported::unknown_plugin;
 use crate::math::{Rgb, Vec3};
 use checks::{check_reach, check_view};
 use instancing::Instancing;
@@ -297,8 +298,7 @@ impl<'a> Builder<'a> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
             let known: Vec<&str> =
                 SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).chain([MERGE]).collect();
-            let problem = format!("there is no shape \"{}\"", node.plugin);
-            return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
+            return Err(unknown_plugin(node, &known));
         };
         let mut fields = Fields::new(node);
         let mut geometry = read(&mut fields, self.bundle)?;

@@ -20,6 +20,7 @@ use super::error::{SceneError, nearest_name};
 use super::fields::Fields;
 use super::geometry::Ray;
 use super::geometry::transform::{ToWorld, to_single};
+use super::unsupported::unknown_plugin;
 use crate::math::{Vec2, warp};
 
 /// A camera, with or without a lens.
@@ -62,8 +63,7 @@ const CAMERAS: &[&str] = &["perspective", "thinlens", "orthographic"];
 pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera, SceneError> {
     let plugin = fields.node().plugin.as_str();
     if !CAMERAS.contains(&plugin) {
-        let problem = format!("there is no sensor \"{plugin}\"");
-        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, CAMERAS)));
+        return Err(unknown_plugin(fields.node(), CAMERAS));
     }
     let to_world = ToWorld::read(fields)?;
     let (near, far) = clip(fields)?;

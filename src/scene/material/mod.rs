@@ -62,10 +62,11 @@ pub mod ward;
 
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::Node;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::geometry::{Interaction, TexturePoint};
 use crate::scene::texture::TextureReader;
+use crate::scene::unsupported::unknown_plugin;
 
 pub use blend::Blend;
 pub use bump_map::BumpMap;
@@ -340,8 +341,7 @@ materials! {
 pub fn read(node: &Node, textures: &mut TextureReader<'_>) -> Result<Material, SceneError> {
     let Some((_, read)) = MATERIALS.iter().find(|(name, _)| *name == node.plugin) else {
         let known: Vec<&str> = MATERIALS.iter().map(|(name, _)| *name).collect();
-        let problem = format!("there is no bsdf \"{}\"", node.plugin);
-        return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
+        return Err(unknown_plugin(node, &known));
     };
     let mut fields = Fields::new(node);
     let material = read(&mut fields, textures)?;

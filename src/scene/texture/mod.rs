@@ -12,9 +12,10 @@ mod to_uv;
 
 use std::sync::Arc;
 
-use super::error::{SceneError, nearest_name};
+use super::error::SceneError;
 use super::fields::Fields;
 use super::geometry::TexturePoint;
+use super::unsupported::unknown_plugin;
 use crate::math::{Rgb, Vec2, color};
 
 pub use bitmap::Bitmap;
@@ -132,8 +133,7 @@ fn read_plugin(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Res
     }
     let Some((_, read)) = TEXTURES.iter().find(|(name, _)| name == plugin) else {
         let known: Vec<&str> = TEXTURES.iter().map(|(name, _)| *name).chain([CONSTANT]).collect();
-        let problem = format!("there is no texture \"{plugin}\"");
-        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, &known)));
+        return Err(unknown_plugin(fields.node(), &known));
     };
     read(fields, textures)
 }
