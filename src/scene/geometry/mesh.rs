@@ -106,7 +106,7 @@ pub fn read_serialized(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<Shape
     from_mesh(Cow::Owned(serialized::read(&bytes, index, &location)?), fields, false)
 }
 
-fn mesh_file(
+pub(super) fn mesh_file(
     fields: &mut Fields<'_>,
     bundle: &Bundle,
 ) -> Result<(std::sync::Arc<[u8]>, crate::scene::error::Location), SceneError> {
@@ -126,6 +126,16 @@ fn from_mesh(
     flip_by_default: bool,
 ) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
+    placed(mesh, &to_world, fields, flip_by_default)
+}
+
+/// The same with a transform that was read already.
+pub(super) fn placed(
+    mesh: Cow<'_, TriangleMesh>,
+    to_world: &ToWorld,
+    fields: &mut Fields<'_>,
+    flip_by_default: bool,
+) -> Result<ShapeGeometry, SceneError> {
     let face_normals = fields.boolean("face_normals")?.unwrap_or(mesh.face_normals);
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
     let downwards = fields.boolean("flip_tex_coords")?.unwrap_or(flip_by_default);

@@ -2,6 +2,7 @@
 
 pub mod accelerator;
 pub mod block;
+pub mod curve;
 pub mod cylinder;
 pub mod disk;
 pub mod instance;
