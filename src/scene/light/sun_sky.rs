@@ -39,11 +39,12 @@ use model::Sky;
 /// A clear day.
 #[derive(Clone, Debug)]
 pub struct SunSky {
-    sky: Sky,
+    // Boxed, so that all lights stay as small as they are without days.
+    sky: Box<Sky>,
     /// The unit axes of the sky's own space; the third is up.
     axes: [Vec3; 3],
     /// Picks directions by the sky's light.
-    table: EnvironmentMap,
+    table: Box<EnvironmentMap>,
     sun: Disc,
     /// The share of directions that is picked from the sun's cone.
     sun_share: f32,
@@ -131,6 +132,7 @@ impl SunSky {
             (true, false) => 1.0,
             (true, true) => (sun_light / (sun_light + sky_light)).clamp(0.1, 0.9),
         };
+        let (sky, table) = (Box::new(sky), Box::new(table));
         let mut light = Self { sky, axes, table, sun, sun_share, power: Rgb::ZERO, surroundings };
         light.power = super::mean_flux(&surroundings, |u| light.sample(u));
         light

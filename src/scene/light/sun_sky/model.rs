@@ -53,8 +53,8 @@ impl Sky {
         }
         // [Hosek & Wilkie 2012, section 5.3]: quintic Bézier curves over the cube root of the elevation.
         let along = libm::cbrt(elevation / std::f64::consts::FRAC_PI_2);
-        for channel in 0..CHANNELS {
-            let value = |which| interpolated(turbidity, albedo[channel], along, channel, which);
+        for (channel, albedo) in albedo.into_iter().enumerate() {
+            let value = |which| interpolated(turbidity, albedo, along, channel, which);
             sky.coefficients[channel] = std::array::from_fn(|which| value(which) as f32);
             sky.scale[channel] = (value(NUMBERS - 1) * scale) as f32;
         }
