@@ -38,6 +38,11 @@ fn agreement_with_values_of_mitsuba() {
         let (came, goes) = (vector(0), vector(1));
         let last = numbers.len() / 3 - 1;
         for (mode, expected) in [(TransportMode::Radiance, vector(2)), (TransportMode::Flux, vector(last))] {
+            // Thin sheets of Mitsuba are not the same both ways, and photons there see them as radiance does; here photons see
+            // what radiance sees from the other end, as `analytic_reciprocity` checks.
+            if text.contains("principledthin") && mode == TransportMode::Flux {
+                continue;
+            }
             let view = View::new(Vec2::splat(0.5), came, mode);
             let tolerance = if text.contains("roughplastic") { TOLERANCE_OF_INTEGRALS } else { TOLERANCE };
             let value: Rgb = material.evaluate(&view, goes) * goes.z.abs();

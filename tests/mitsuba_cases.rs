@@ -9,6 +9,7 @@ use photonfarm::evaluation::Run;
 use photonfarm::import::{load_bytes, load_file};
 use photonfarm::method::{self, METHODS, MethodChoice};
 use photonfarm::scene::Scene;
+use photonfarm::scene::bundle::Bundle;
 
 fn folder(case: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cases").join(case)
@@ -135,6 +136,44 @@ fn mitsuba_checkerboards_swap_their_numbers() {
         let found: Vec<f64> = picture.iter().map(|pixel| pixel[0]).collect();
         let lower = upper.map(|value| 1.0 - value);
         assert_eq!(found, [upper, upper, lower, lower].concat(), "{swaps}");
+    }
+}
+
+/// The frame of a normal map is right-handed where texture coordinates are mirrored, too: Mitsuba 3.9.1 gives the same for both
+/// meshes. A constant normal may be a texture or a color.
+#[test]
+fn mitsuba_normal_maps_are_right_handed() {
+    let mesh = |v: [u32; 2]| {
+        let [first, last] = v;
+        format!(
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nproperty float u\n\
+            property float v\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n-1 -1 0 0 {first}\n\
+            1 -1 0 1 {first}\n1 1 0 1 {last}\n-1 1 0 0 {last}\n3 0 1 2\n3 0 2 3\n"
+        )
+    };
+    let texture = "<texture name='normalmap' type='rawconstant'><vector name='value' value='0.6, 0.8, 0.9'/></texture>";
+    for normal in [texture, "<rgb name='normalmap' value='0.6, 0.8, 0.9'/>"] {
+        for v in [[0, 1], [1, 0]] {
+            let text = format!(
+                "<scene version='3.0.0'><sensor type='orthographic'>
+                    <transform name='to_world'><lookat origin='0,0,3' target='0,0,0' up='0,1,0'/></transform>
+                    <film type='hdrfilm'><integer name='width' value='4'/><integer name='height' value='4'/><rfilter type='box'/></film>
+                </sensor><emitter type='directional'><vector name='direction' value='0, -1, -1'/><rgb name='irradiance' value='3'/></emitter>
+                <shape type='ply'><string name='filename' value='mesh.ply'/><bsdf type='normalmap'>{normal}
+                    <boolean name='use_shadowing_function' value='false'/><bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf>
+                </bsdf></shape></scene>"
+            );
+            let mut description = load_bytes("map.xml", text.as_bytes(), &[]).expect("the scene loads");
+            let files = [("mesh.ply".to_owned(), Arc::from(mesh(v).as_bytes()))];
+            description.bundle = Bundle::Archive(Arc::new(files.into_iter().collect()));
+            let scene = Arc::new(Scene::prepare(&description).expect("a good scene"));
+            let picture = render(&scene, "path", 1);
+            // ρ/π times the irradiance times the cosine of (0.2, 0.6, 0.8) with (0, 1, 1).
+            let expected = 0.5 / std::f64::consts::PI * 3.0 * 1.4 / (1.04_f64 * 2.0).sqrt();
+            for pixel in picture {
+                assert!((pixel[1] / expected - 1.0).abs() < 1e-4, "{normal}, v {v:?}: {} for {expected}", pixel[1]);
+            }
+        }
     }
 }
 

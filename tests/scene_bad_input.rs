@@ -190,7 +190,7 @@ fn materials_and_lights_that_cannot_be() {
         ("index of refraction 0", "$<bsdf type='dielectric'><float name='int_ior' value='0'/></bsdf>"),
         ("unknown metal", "$<bsdf type='conductor'><string name='material' value='Agg'/></bsdf>"),
         ("eta without k", "$<bsdf type='conductor'><float name='eta' value='1'/></bsdf>"),
-        ("unknown emitter", "$<emitter type='sunsky'/>"),
+        ("unknown emitter", "$<emitter type='sunskies'/>"),
         ("negative intensity", "$<emitter type='point'><rgb name='intensity' value='-1, 0, 0'/></emitter>"),
         (
             "intensity that is not a number",

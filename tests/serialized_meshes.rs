@@ -9,7 +9,7 @@ use flate2::write::ZlibEncoder;
 use photonfarm::scene::SceneError;
 use photonfarm::scene::error::Location;
 use photonfarm::scene::geometry::serialized;
-use photonfarm::scene::geometry::triangle_mesh::TriangleMesh;
+use photonfarm::scene::geometry::triangle_mesh::{MeshValues, TriangleMesh};
 
 const NORMALS: u32 = 0x0001;
 const COORDINATES: u32 = 0x0002;
@@ -103,6 +103,10 @@ fn every_version_and_precision_gives_the_mesh() {
                     }
                     if !coordinates {
                         expected.texture_coordinates.clear();
+                    }
+                    if colors {
+                        let (name, numbers) = ("vertex_color".to_owned(), (0..12_u8).map(f32::from).collect());
+                        expected.attributes.push(MeshValues { name, channels: 3, numbers });
                     }
                     assert_eq!(read(&bytes, index).unwrap(), expected, "version {version}, flags {flags:x}");
                 }

@@ -122,8 +122,13 @@ fn dictionary(
         }
         (plugin, _) if spectra::PLUGINS.contains(&plugin) && !in_scene => {
             let spectrum = draft(entries, PluginClass::Texture, plugin, place.clone(), depth + 1)?;
-            let value = Value::Rgb(spectra::of_plugin(&spectrum, Purpose::of(parent.class, key))?);
-            parent.parameters.push(Parameter { name: key.to_owned(), value, location: place });
+            let rgb = spectra::of_plugin(&spectrum, Purpose::of(parent.class, key))?;
+            if spectra::stays_texture(parent) {
+                let texture = Draft::new(PluginClass::Texture, "rawconstant", &place).with_rgb("value", rgb);
+                parent.children.push(DraftChild { name, target: Target::Plugin(texture), location: place });
+            } else {
+                parent.parameters.push(Parameter { name: key.to_owned(), value: Value::Rgb(rgb), location: place });
+            }
         }
         ("ref", _) if in_scene => {
             let remedy = "remove it, or move it into the plugin that is to use it";

@@ -291,8 +291,7 @@ impl Reader<'_> {
     fn spectral_plugin(&mut self, name: &str, draft: Draft, parent: &mut Scope) -> Result<(), SceneError> {
         let rgb = spectra::of_plugin(&draft, Purpose::of(parent.draft.class, name))?;
         let location = draft.location.clone();
-        if draft.id.is_empty() && parent.draft.class != PluginClass::Scene && parent.draft.class != PluginClass::Texture
-        {
+        if draft.id.is_empty() && parent.draft.class != PluginClass::Scene && !spectra::stays_texture(&parent.draft) {
             parent.draft.parameters.push(Parameter { name: name.to_owned(), value: Value::Rgb(rgb), location });
             return Ok(());
         }

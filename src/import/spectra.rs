@@ -43,6 +43,11 @@ impl Purpose {
     }
 }
 
+/// Whether a spectrum in `parent` stays a texture: of a bumpmap and of textures the texture itself is the part, not a parameter.
+pub(super) fn stays_texture(parent: &Draft) -> bool {
+    parent.class == PluginClass::Texture || parent.plugin == "bumpmap"
+}
+
 /// The color of the points of a spectrum, of increasing wavelength.
 fn of_points(points: &[(f64, f64)], purpose: Purpose) -> Result<[f64; 3], Refusal> {
     if points.len() < 2 || !points.windows(2).all(|pair| pair[0].0 < pair[1].0) {

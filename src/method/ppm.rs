@@ -34,7 +34,7 @@ use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::ray::{largest, position_error};
 use crate::scene::geometry::surface::NO_INSTANCE;
-use crate::scene::geometry::{Interaction, Shape};
+use crate::scene::geometry::{Detail, Interaction, Shape};
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
@@ -100,8 +100,8 @@ struct HitPoint {
     /// Material, and segments from the camera in the top byte.
     material_and_segments: u32,
     parameterization: Parameterization,
-    /// `Interaction::partials`.
-    partials: [f32; 3],
+    /// `Interaction::detail`.
+    detail: Detail,
     /// The shape's border between media.
     boundary: u16,
     /// The index of the medium that the path came through, or [`NO_MEDIUM`].
@@ -173,7 +173,7 @@ impl HitPoint {
             throughput: point.throughput,
             material_and_segments: hit.shape.material | point.segments.min(255) << MATERIAL_BITS,
             parameterization: Parameterization::new(hit),
-            partials: hit.partials,
+            detail: hit.detail,
             boundary: hit.shape.boundary,
             medium: point.medium.unwrap_or(NO_MEDIUM),
         }
@@ -199,7 +199,7 @@ impl HitPoint {
             primitive: 0,
             instance: NO_INSTANCE,
             error,
-            partials: self.partials,
+            detail: self.detail,
         };
         GatherPoint {
             hit,

@@ -17,6 +17,7 @@ pub mod needs;
 pub mod notice;
 pub mod prepare;
 pub mod texture;
+mod unsupported;
 
 pub use camera::Camera;
 pub use error::SceneError;

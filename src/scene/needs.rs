@@ -34,7 +34,7 @@ const FEATURES: &[Feature] = &[
 ];
 
 fn is_distant(light: &Light) -> bool {
-    matches!(light, Light::Directional(_) | Light::Constant(_) | Light::EnvironmentMap(_))
+    light.is_environment() || matches!(light, Light::Directional(_))
 }
 
 impl Scene {

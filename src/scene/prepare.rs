@@ -3,6 +3,7 @@
 mod checks;
 mod instancing;
 mod lights;
+mod materials;
 mod media;
 
 use std::collections::HashMap;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use super::bundle::Bundle;
 use super::camera::{self, Camera};
 use super::description::{Node, PluginClass, SceneDescription};
-use super::error::{SceneError, nearest_name};
+use super::error::SceneError;
 use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
@@ -21,15 +22,18 @@ use super::geometry::transform::ToWorld;
 use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::integrator::{self, Integrator};
 use super::light::area::Emission;
+use super::light::directional_area::is_flat;
 use super::light::{LightTable, Place};
-use super::material::{self, Lobes, Material};
+use super::material::{Lobes, Material};
 use super::medium::{Medium, MediumIndex};
 use super::notice::Notice;
 use super::texture::TextureReader;
+use super::unsupported::unknown_plugin;
 use crate::math::Rgb;
 use checks::{check_reach, check_view};
 use instancing::Instancing;
 use lights::{light_table, place_area_lights, read_area_light};
+use materials::KnownMaterial;
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference. A clone shares all that is
 /// large.
@@ -81,7 +85,7 @@ struct Builder<'a> {
     seen_only: Vec<Emission>,
     materials: Vec<Material>,
     /// Materials by the address of their node, so that shared nodes become one material, as shapes without light.
-    material_of_node: HashMap<*const Node, Shape>,
+    material_of_node: HashMap<*const Node, KnownMaterial>,
     /// Media, and their indices by the address of their node.
     media: Vec<Medium>,
     boundaries: Vec<[MediumIndex; 2]>,
@@ -199,7 +203,7 @@ impl Scene {
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
         let mut hit = self.geometry.intersect(ray)?;
         if hit.shape.needs_partials {
-            hit.partials = self.geometry.partials_in_frame(&hit);
+            hit.detail = self.geometry.partials_in_frame(&hit);
         }
         Some(hit)
     }
@@ -271,6 +275,9 @@ impl<'a> Builder<'a> {
         if instancing::PLUGINS.contains(&node.plugin.as_str()) {
             return self.add_instancing(node);
         }
+        if node.plugin == MERGE {
+            return members(node)?.into_iter().try_for_each(|member| self.add_shape(member));
+        }
         let (shape, geometry, emission) = self.read_shape(node)?;
         if let Some(emission) = emission {
             self.area_lights.push((self.shapes.len(), emission));
@@ -282,13 +289,15 @@ impl<'a> Builder<'a> {
     /// A shape that is made of primitives, and what it emits.
     fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Emission>), SceneError> {
         let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
-            let known: Vec<&str> = SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).collect();
-            let problem = format!("there is no shape \"{}\"", node.plugin);
-            return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
+            let known: Vec<&str> =
+                SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).chain([MERGE]).collect();
+            return Err(unknown_plugin(node, &known));
         };
         let mut fields = Fields::new(node);
-        let geometry = read(&mut fields, self.bundle)?;
+        let mut geometry = read(&mut fields, self.bundle)?;
         fields.ignore(&[OF_DERIVATIVES]);
+        self.textures.set_shape(Some(std::mem::take(&mut geometry.attributes)));
+        let asked = self.textures.attributes_asked();
         if node.plugin == "sphere" && !ToWorld::read(&mut fields)?.is_similarity() {
             let explanation = "it stays a sphere, with the scale along x";
             let notice = Notice::approximated(&node.location, "a sphere that is scaled unevenly", explanation);
@@ -302,8 +311,26 @@ impl<'a> Builder<'a> {
         let shape = Shape { boundary: self.boundary_of(&mut fields, &node.location)?, ..shape };
         let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
         fields.finish()?;
+        geometry.needs_places = self.textures.attributes_asked() > asked;
+        self.textures.set_shape(None);
+        if geometry.needs_places && shape.needs_partials {
+            let problem = "a shape with a bumpmap reads a mesh_attribute";
+            return Err(SceneError::new(
+                &node.location,
+                problem,
+                "take one of them off, or make the bumpmap a normalmap",
+            ));
+        }
         self.check_extent(node, &geometry)?;
         let emitter = emitter.filter(|emission| emission.radiance.range()[1] != Rgb::ZERO);
+        if emitter.as_ref().is_some_and(|emission| emission.along_normal && !is_flat(&geometry.primitives)) {
+            let problem = format!("\"directionalarea\" stands in a \"{}\" that is not flat", node.plugin);
+            return Err(SceneError::new(
+                &node.location,
+                problem,
+                "use flat shapes that face one way, each with its own",
+            ));
+        }
         let needs_uv = shape.needs_uv || emitter.as_ref().is_some_and(|emission| emission.radiance.varies());
         let mut shape = Shape { needs_uv, ..shape };
         if let Some(shown) = emitter.as_ref().filter(|emission| emission.seen_only) {
@@ -329,29 +356,17 @@ impl<'a> Builder<'a> {
         }
         Ok(())
     }
+}
 
-    /// A shape with the material, and what of texture coordinates that needs.
-    fn material(&mut self, node: &Arc<Node>) -> Result<Shape, SceneError> {
-        let address = Arc::as_ptr(node);
-        if let Some(known) = self.material_of_node.get(&address) {
-            return Ok(*known);
-        }
-        let asked = (self.textures.coordinates_asked(), self.textures.partials_asked());
-        self.materials.push(material::read(node, &mut self.textures)?);
-        let shape = Shape {
-            needs_uv: self.textures.coordinates_asked() > asked.0,
-            needs_partials: self.textures.partials_asked() > asked.1,
-            ..Shape::new(self.materials.len() as u32 - 1)
-        };
-        self.material_of_node.insert(address, shape);
-        Ok(shape)
-    }
+/// `merge`: Mitsuba makes one mesh of those of its members that have the same bsdf; here they stay what they are, which looks the same.
+const MERGE: &str = "merge";
 
-    /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5, but black to those that emit.
-    fn default_material(&mut self, emits: bool) -> u32 {
-        self.materials.push(if emits { Material::black() } else { Material::default_grey() });
-        self.materials.len() as u32 - 1
-    }
+/// The shapes that a `merge` holds.
+fn members(merge: &Node) -> Result<Vec<&Arc<Node>>, SceneError> {
+    let mut fields = Fields::new(merge);
+    let members = fields.children(PluginClass::Shape);
+    fields.finish()?;
+    Ok(members)
 }
 
 fn read_sensor(node: &Node) -> Result<(Film, Camera, Option<&Arc<Node>>), SceneError> {

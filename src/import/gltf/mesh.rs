@@ -196,6 +196,7 @@ impl<'a> Primitive<'a> {
             texture_coordinates: self.all(self.coordinates.as_ref(), &vertices, "TEXCOORD")?,
             tangents: self.all(self.tangents.as_ref(), &vertices, "TANGENT")?,
             triangles,
+            attributes: Vec::new(),
             face_normals: false,
         };
         // Whatever is not negative is a right hand.

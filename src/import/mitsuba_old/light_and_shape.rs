@@ -1,8 +1,10 @@
 //! Shapes and emitters of Mitsuba 0.6 that are more than other names.
 
+use glam::DMat4;
+
 use super::super::draft::{Draft, Target};
 use super::{Outcome, Translation};
-use crate::scene::description::{PluginClass, Value};
+use crate::scene::description::{Parameter, PluginClass, Value};
 use crate::scene::error::SceneError;
 
 /// A shape: without a bsdf it is black where it emits, and nothing but a border where it holds a medium.
@@ -23,10 +25,27 @@ pub(super) fn shape(mut draft: Draft, _: &mut Translation) -> Result<Outcome, Sc
     Ok(Outcome::Plugin(draft))
 }
 
+/// `sunsky`: y is up there, z here; its radiances are of other units and of an older model.
+pub(super) fn sun_sky(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
+    translation.approximated(&draft, "emitter \"sunsky\"", "Hosek & Wilkie's sky in Mitsuba 3's units takes its place");
+    stand_up(&mut draft);
+    Ok(Outcome::Plugin(draft))
+}
+
+/// Turns z to where y is.
+fn stand_up(draft: &mut Draft) {
+    let upright = DMat4::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    match draft.parameters.iter_mut().find(|parameter| parameter.name == "to_world") {
+        Some(Parameter { value: Value::Transform(matrix), .. }) => *matrix *= upright,
+        _ => draft.set_default("to_world", Value::Transform(upright)),
+    }
+}
+
 /// `sky`: the sky of a `sunsky` alone.
 pub(super) fn sky(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
     draft.set_default("sun_scale", Value::Float(0.0));
     translation.approximated(&draft, "emitter \"sky\"", "a sunsky without its sun takes its place");
+    stand_up(&mut draft);
     Ok(Outcome::Plugin(draft))
 }
 
@@ -34,6 +53,7 @@ pub(super) fn sky(mut draft: Draft, translation: &mut Translation) -> Result<Out
 pub(super) fn sun(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
     draft.set_default("sky_scale", Value::Float(0.0));
     translation.approximated(&draft, "emitter \"sun\"", "a sunsky without its sky takes its place");
+    stand_up(&mut draft);
     Ok(Outcome::Plugin(draft))
 }
 

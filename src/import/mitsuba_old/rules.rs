@@ -211,7 +211,7 @@ pub(super) const RULES: &[Rule] = &[
     changed(Emitter, ["sky", "sunsky"], SUN, &[], light::sky),
     plain(Emitter, "spot", &["intensity", "cutoffAngle", "beamWidth", "texture"]),
     changed(Emitter, ["sun", "sunsky"], SUN, &[], light::sun),
-    plain(Emitter, "sunsky", SUN),
+    changed(Emitter, ["sunsky", "sunsky"], SUN, &[], light::sun_sky),
 
     changed(Texture, ["bitmap", "bitmap"], &["filename"], texture::BITMAP, texture::bitmap),
     changed(Texture, ["checkerboard", "checkerboard"], &["color0", "color1"], texture::UV, texture::checkerboard),

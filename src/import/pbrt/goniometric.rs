@@ -58,7 +58,7 @@ fn table(image: &Texture) -> String {
             // Horizontal angles of the emitter turn from +x to -y; pbrt's image has y and z exchanged.
             let direction = DVec3::new(sine * x, z, -sine * y);
             let uv = equal_area_square(direction).as_vec2();
-            let color = image.color(Vec2::new(uv.x, uv.y));
+            let color = image.color(&Vec2::new(uv.x, uv.y).into());
             // Writing to a String cannot fail.
             let _ = write!(text, "{} ", (color.x + color.y + color.z) / 3.0);
         }

@@ -43,7 +43,8 @@ pub(super) fn read(
     let image = in_memory(&texture::plain_image(name, parameters, output)?.with_text("wrap_mode", "clamp"), output)?;
     let [_, height] = image.size();
     let rows = (height as usize).clamp(ROWS[0], ROWS[1]);
-    let radiance = |direction: DVec3| image.color(equal_area_square((from_world * direction).normalize()).as_vec2());
+    let radiance =
+        |direction: DVec3| image.color(&equal_area_square((from_world * direction).normalize()).as_vec2().into());
     let map = Map::sample(rows, radiance);
     let scale = parameters.float("scale")?.unwrap_or(1.0);
     // As in pbrt, the illuminance is that of the upper half of the light's own space.

@@ -25,6 +25,7 @@ use super::error::{SceneError, nearest_name};
 use super::fields::Fields;
 use super::geometry::Ray;
 use super::geometry::transform::{ToWorld, to_single};
+use super::unsupported::unknown_plugin;
 use crate::math::{Vec2, warp};
 
 /// How directions become places of the film.
@@ -79,9 +80,8 @@ const CAMERAS: &[(&str, Projection)] = &[
 pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera, SceneError> {
     let plugin = fields.node().plugin.as_str();
     let Some((_, projection)) = CAMERAS.iter().find(|(name, _)| *name == plugin).copied() else {
-        let problem = format!("there is no sensor \"{plugin}\"");
         let known: Vec<&str> = CAMERAS.iter().map(|(name, _)| *name).collect();
-        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, &known)));
+        return Err(unknown_plugin(fields.node(), &known));
     };
     let to_world = ToWorld::read(fields)?;
     let (near, far) = clip(fields)?;

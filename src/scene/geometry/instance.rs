@@ -85,7 +85,7 @@ impl Instance {
             let own = group.tangents.get(local.primitive).is_some();
             let tangent = if own { local.frame.tangent } else { group.partials_at(local.primitive, local.position)[0] };
             let tangent = self.linear * tangent;
-            let mirrored = local.frame.is_left_handed() != (self.linear.determinant() < 0.0);
+            let mirrored = own && local.frame.is_left_handed() != (self.linear.determinant() < 0.0);
             tangent_frame(shading, tangent, mirrored)
         } else {
             Frame::from_normal(shading)

@@ -5,6 +5,8 @@
 //! file's normals count, or smooth ones are made as in Mitsuba; `flip_normals` (boolean, false); `flip_tex_coords` (boolean,
 //! true for `obj`, else false) turns v into 1 - v. `obj` with `material` takes the faces after `usemtl` and that name only. `serialized` takes mesh `shape_index` (integer, 0) of its file.
 
+mod attributes;
+
 use std::borrow::Cow;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
@@ -17,6 +19,7 @@ use super::{obj, ply, serialized};
 use crate::scene::bundle::Bundle;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::texture::MeshAttribute;
 
 /// What a shape plugin becomes.
 #[derive(Clone, Debug, Default)]
@@ -30,6 +33,10 @@ pub struct ShapeGeometry {
     /// Tangents of the three vertices, per primitive, each with the sign of its bitangent; empty where they follow from the
     /// texture coordinates.
     pub tangents: Vec<[Vec4; 3]>,
+    /// What its file says of vertices or faces beyond what surfaces are made of.
+    pub attributes: Vec<MeshAttribute>,
+    /// Whether textures look up its hits' places on the mesh.
+    pub needs_places: bool,
     /// Triangles without area that were left out.
     pub degenerate: usize,
     /// What the user should know of the shape's file, a sentence each.
@@ -101,7 +108,7 @@ pub fn read_serialized(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<Shape
     from_mesh(Cow::Owned(serialized::read(&bytes, index, &location)?), fields, false)
 }
 
-fn mesh_file(
+pub(super) fn mesh_file(
     fields: &mut Fields<'_>,
     bundle: &Bundle,
 ) -> Result<(std::sync::Arc<[u8]>, crate::scene::error::Location), SceneError> {
@@ -121,6 +128,16 @@ fn from_mesh(
     flip_by_default: bool,
 ) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
+    placed(mesh, &to_world, fields, flip_by_default)
+}
+
+/// The same with a transform that was read already.
+pub(super) fn placed(
+    mesh: Cow<'_, TriangleMesh>,
+    to_world: &ToWorld,
+    fields: &mut Fields<'_>,
+    flip_by_default: bool,
+) -> Result<ShapeGeometry, SceneError> {
     let face_normals = fields.boolean("face_normals")?.unwrap_or(mesh.face_normals);
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
     let downwards = fields.boolean("flip_tex_coords")?.unwrap_or(flip_by_default);
@@ -150,15 +167,18 @@ fn from_mesh(
         to_world.vector(DVec3::new(f64::from(*x), f64::from(*y), f64::from(*z))).as_vec3().extend(*w * side)
     };
     let tangents = mesh.tangents.iter().map(tangent).collect();
-    let (triangles, mut coordinates) = match mesh {
-        Cow::Owned(mesh) => (Cow::Owned(mesh.triangles), mesh.texture_coordinates),
-        Cow::Borrowed(mesh) => (Cow::Borrowed(&mesh.triangles), mesh.texture_coordinates.clone()),
+    let (triangles, mut coordinates, values) = match mesh {
+        Cow::Owned(mesh) => (Cow::Owned(mesh.triangles), mesh.texture_coordinates, mesh.attributes),
+        Cow::Borrowed(mesh) => {
+            (Cow::Borrowed(&mesh.triangles), mesh.texture_coordinates.clone(), mesh.attributes.clone())
+        }
     };
     if downwards {
         coordinates.iter_mut().for_each(|[_, v]| *v = 1.0 - *v);
     }
     let vertices = Vertices { points, normals, coordinates, tangents };
-    let shape = triangles_of(&triangles, &vertices, reversed);
+    let mut shape = triangles_of(&triangles, &vertices, reversed);
+    shape.attributes = attributes::of_triangles(values, &triangles, &vertices.points, reversed);
     if shape.primitives.is_empty() {
         let problem = match triangles.len() {
             1 => "the mesh's only triangle has no area".to_owned(),
@@ -200,6 +220,18 @@ struct Vertices {
     tangents: Vec<Vec4>,
 }
 
+/// The corners of a triangle in the order of its primitive.
+fn corners([a, b, c]: [u32; 3], reversed: bool) -> [u32; 3] {
+    // As in Mitsuba, where barycentric coordinates stand in for texture coordinates.
+    if reversed { [c, b, a] } else { [a, b, c] }
+}
+
+/// The triangle of three corners; none where it has no area.
+fn with_area(order: [usize; 3], points: &[Vec3]) -> Option<Triangle> {
+    let triangle = Triangle { vertices: order.map(|index| points[index]) };
+    (triangle.area() != 0.0).then_some(triangle)
+}
+
 fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, reversed: bool) -> ShapeGeometry {
     let Vertices { points, normals, coordinates, tangents } = vertices;
     let mut shape = ShapeGeometry::default();
@@ -208,14 +240,11 @@ fn triangles_of(triangles: &[[u32; 3]], vertices: &Vertices, reversed: bool) -> 
     shape.texture_coordinates.reserve_exact(if coordinates.is_empty() { 0 } else { triangles.len() });
     shape.tangents.reserve_exact(if tangents.is_empty() { 0 } else { triangles.len() });
     for indices in triangles {
-        let [a, b, c] = indices.map(|index| index as usize);
-        // As in Mitsuba, where barycentric coordinates stand in for texture coordinates.
-        let order = if reversed { [c, b, a] } else { [a, b, c] };
-        let triangle = Triangle { vertices: order.map(|index| points[index]) };
-        if triangle.area() == 0.0 {
+        let order = corners(*indices, reversed).map(|index| index as usize);
+        let Some(triangle) = with_area(order, points) else {
             shape.degenerate += 1;
             continue;
-        }
+        };
         if !normals.is_empty() {
             let face = triangle.sample([0.5, 0.5]).normal;
             // A vertex without a usable normal takes the triangle's.

@@ -2,6 +2,7 @@
 
 pub mod accelerator;
 pub mod block;
+pub mod curve;
 pub mod cylinder;
 pub mod disk;
 pub mod instance;
@@ -15,6 +16,7 @@ pub mod rectangle;
 pub mod serialized;
 pub mod sphere;
 pub mod surface;
+mod texture_point;
 pub mod transform;
 pub mod triangle;
 pub mod triangle_mesh;
@@ -23,4 +25,5 @@ pub use instance::Instance;
 pub use primitive::Primitive;
 pub use ray::Ray;
 pub use surface::{Geometry, Interaction, Shape};
+pub use texture_point::{Detail, TexturePoint};
 pub use triangle_mesh::TriangleMesh;

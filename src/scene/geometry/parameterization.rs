@@ -15,6 +15,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::ray::SurfacePoint;
 use super::surface::{Geometry, Interaction, NO_INSTANCE};
+use super::texture_point::{Detail, TexturePoint};
 use crate::math::{Frame, warp};
 
 /// Marks a primitive without a value.
@@ -62,24 +63,37 @@ impl Geometry {
         }
     }
 
-    /// A point uniform by area on the primitive at a tree index, with its texture coordinates.
-    pub fn sample_with_uv(&self, primitive: u32, u: [f32; 2]) -> (SurfacePoint, Vec2) {
+    /// A point uniform by area on the primitive at a tree index, and where textures are looked up there.
+    pub fn sample_for_texture(&self, primitive: u32, u: [f32; 2]) -> (SurfacePoint, TexturePoint) {
         let point = self.sample(primitive, u);
-        (point, self.uv_at(primitive, point.position, warp::triangle(u).to_array()))
+        (point, self.texture_point_at(primitive, point.position, warp::triangle(u).to_array()))
     }
 
-    /// Fills in `uv`, and turns the frame so that its tangent is along ∂p/∂u.
+    /// Where textures are looked up at a point of the primitive at a tree index; only triangles look at `barycentric`.
+    pub(in crate::scene) fn texture_point_at(
+        &self,
+        primitive: u32,
+        position: Vec3,
+        barycentric: [f32; 2],
+    ) -> TexturePoint {
+        let detail = self.own_indices.get(primitive as usize).map(|own| Detail::on_mesh(*own, barycentric));
+        TexturePoint { uv: self.uv_at(primitive, position, barycentric), detail: detail.unwrap_or(Detail::NOWHERE) }
+    }
+
+    /// Fills in `uv` and the place on a mesh, and turns the frame so that its tangent is along ∂p/∂u.
     #[inline(never)]
     pub(super) fn parameterize(&self, hit: &mut Interaction, barycentric: [f32; 2]) {
         hit.uv = self.uv_at(hit.primitive, hit.position, barycentric);
+        if let Some(own) = self.own_indices.get(hit.primitive as usize) {
+            hit.detail = Detail::on_mesh(*own, barycentric);
+        }
         if let Some(given) = self.tangents.get(hit.primitive).and_then(|triangle| between(triangle, barycentric)) {
             hit.frame = tangent_frame(hit.frame.normal, given.truncate(), given.w < 0.0);
             return;
         }
         let tangent = self.partials_at(hit.primitive, hit.position)[0];
-        // Normal maps of meshes follow the orientation of their coordinates.
-        let mirrored = self.coordinates.get(hit.primitive).is_some_and(|triangle| determinant(triangle) < 0.0);
-        hit.frame = tangent_frame(hit.frame.normal, tangent, mirrored);
+        // Right-handed even where coordinates are mirrored: so are the frames of Mitsuba (3.9.1), and its normal maps with them.
+        hit.frame = tangent_frame(hit.frame.normal, tangent, false);
     }
 
     /// Texture coordinates at a point of the primitive at a tree index; only triangles look at `barycentric`.

@@ -1,9 +1,10 @@
 //! Stanford PLY meshes: ASCII, and binary of either byte order.
 //!
 //! Of the vertices x, y, z, nx, ny, nz, u, v (or s, t) and the tangents of this program's own files are read, of the faces
-//! their vertex indices; all other elements and properties are passed over. Normals, texture coordinates and tangents count when
+//! their vertex indices, of both their [attributes]; all other elements and properties are passed over. Normals, texture coordinates and tangents count when
 //! all of their components are there.
 
+mod attributes;
 mod body;
 mod header;
 mod writer;
@@ -12,6 +13,7 @@ use std::ops::Range;
 
 use super::super::error::{Location, SceneError};
 use super::triangle_mesh::TriangleMesh;
+use attributes::Group;
 use body::Body;
 use header::{Element, Property};
 
@@ -67,15 +69,20 @@ fn read_vertices(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh
         return Err(body.error("the vertices lack x, y or z", "export the mesh again"));
     }
     let count = body.checked_count(element)?;
+    let mut attributes = attributes::find(element, "vertex_");
+    let mut numbers = vec![0.0; element.properties.len()];
     mesh.positions.reserve_exact(count);
     mesh.normals.reserve_exact(if normals { count } else { 0 });
     mesh.texture_coordinates.reserve_exact(if coordinates { count } else { 0 });
     mesh.tangents.reserve_exact(if tangents { count } else { 0 });
     for index in 0..count {
         let mut values = [0.0_f32; COMPONENTS.len() + 1];
-        for (property, slot) in element.properties.iter().zip(&slots) {
+        for ((property, slot), number) in element.properties.iter().zip(&slots).zip(&mut numbers) {
             match property {
-                Property::Scalar { kind, .. } => values[*slot] = body.scalar(*kind)? as f32,
+                Property::Scalar { kind, .. } => {
+                    *number = body.scalar(*kind)?;
+                    values[*slot] = *number as f32;
+                }
                 Property::List { count, item, .. } => body.skip_list(*count, *item)?,
             }
         }
@@ -88,6 +95,23 @@ fn read_vertices(body: &mut Body<'_>, element: &Element, mesh: &mut TriangleMesh
         mesh.normals.extend(normals.then_some([nx, ny, nz]));
         mesh.texture_coordinates.extend(coordinates.then_some([u, v]));
         mesh.tangents.extend(tangents.then_some(tangent));
+        push_attributes(body, &mut attributes, &numbers, 1, &format_args!("vertex {index}"))?;
+    }
+    mesh.attributes.extend(attributes.into_iter().map(Group::into_values));
+    Ok(())
+}
+
+/// Takes the attributes of a vertex or face among the numbers of its properties, `times` over.
+fn push_attributes(
+    body: &Body<'_>,
+    attributes: &mut [Group],
+    numbers: &[f64],
+    times: usize,
+    owner: &std::fmt::Arguments<'_>,
+) -> Result<(), SceneError> {
+    for group in attributes {
+        let pushed = group.push(numbers, times);
+        pushed.map_err(|name| body.error(&format!("{name} of {owner} is not finite"), "repair the mesh"))?;
     }
     Ok(())
 }
@@ -105,12 +129,14 @@ fn read_faces(
         return Err(body.error("the faces have no list \"vertex_indices\"", "export the mesh again"));
     };
     let count = body.checked_count(element)?;
+    let mut attributes = attributes::find(element, "face_");
+    let mut numbers = vec![0.0; element.properties.len()];
     mesh.triangles.reserve(count);
     let mut corners = Vec::new();
     for face in 0..count {
         for (position, property) in element.properties.iter().enumerate() {
             match property {
-                Property::Scalar { kind, .. } => drop(body.scalar(*kind)?),
+                Property::Scalar { kind, .. } => numbers[position] = body.scalar(*kind)?,
                 Property::List { count, item, .. } if position == indices => {
                     body.indices(*count, *item, &mut corners)?;
                 }
@@ -126,7 +152,9 @@ fn read_faces(
             return Err(body.error(&problem, "repair the mesh"));
         }
         mesh.push_polygon(&corners);
+        push_attributes(body, &mut attributes, &numbers, corners.len() - 2, &format_args!("face {face}"))?;
     }
+    mesh.attributes.extend(attributes.into_iter().map(Group::into_values));
     Ok(())
 }
 

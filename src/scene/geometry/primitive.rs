@@ -3,6 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::curve;
 use super::cylinder::{self, Cylinder};
 use super::disk::{self, Disk};
 use super::mesh::{self, ShapeGeometry};
@@ -27,6 +28,8 @@ pub const SHAPES: &[(&str, ReadShape)] = &[
     ("ply", mesh::read_ply),
     ("obj", mesh::read_obj),
     ("serialized", mesh::read_serialized),
+    ("linearcurve", curve::read_linear),
+    ("bsplinecurve", curve::read_spline),
 ];
 
 macro_rules! primitives {

@@ -1,7 +1,7 @@
 //! Mitsuba's serialized meshes, versions 3 and 4: one file of many meshes, each compressed by itself, with their places at
 //! the end.
 //!
-//! Positions, normals and texture coordinates are read, in single or double precision; vertex colors are passed over. A
+//! Positions, normals, texture coordinates and vertex colors (`vertex_color`) are read, in single or double precision. A
 //! mesh that was saved with flat shading is shaded flat.
 
 use std::io::{BufReader, ErrorKind, Read};
@@ -9,7 +9,7 @@ use std::io::{BufReader, ErrorKind, Read};
 use flate2::read::ZlibDecoder;
 
 use super::super::error::{Location, SceneError};
-use super::triangle_mesh::TriangleMesh;
+use super::triangle_mesh::{MeshValues, TriangleMesh};
 
 const MAGIC: u16 = 0x041C;
 const HEADER: usize = 4;
@@ -107,9 +107,9 @@ impl Reader<'_> {
             mesh.texture_coordinates = self.finite_vectors(vertices, "texture coordinate")?;
         }
         if flags & HAS_COLORS != 0 {
-            for _ in 0..vertices {
-                self.vector::<3>()?;
-            }
+            let colors: Vec<[f32; 3]> = self.finite_vectors(vertices, "color")?;
+            let numbers = colors.into_iter().flatten().collect();
+            mesh.attributes.push(MeshValues { name: "vertex_color".to_owned(), channels: 3, numbers });
         }
         mesh.triangles = self.triangles(triangles, vertices)?;
         Ok(mesh)

@@ -8,6 +8,7 @@ use super::mesh::ShapeGeometry;
 use super::parameterization::AtVertices;
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, SurfacePoint};
+use super::texture_point::{Detail, TexturePoint};
 use crate::math::{Frame, warp};
 
 /// Marks a shape without light.
@@ -29,7 +30,7 @@ pub struct Shape {
     pub light: u32,
     /// Whether its hits get texture coordinates and a frame along ∂p/∂u, which costs time and memory.
     pub needs_uv: bool,
-    /// Whether its hits get [`Interaction::partials`].
+    /// Whether its hits get [`Detail::partials`].
     pub needs_partials: bool,
     /// Index of the media that it separates, or [`NO_BOUNDARY`].
     pub boundary: u16,
@@ -57,6 +58,8 @@ pub struct Geometry {
     pub(super) coordinates: AtVertices<Vec2>,
     /// Tangents that meshes bring along, with the sign of the bitangent.
     pub(super) tangents: AtVertices<Vec4>,
+    /// By primitive, its index within its shape where textures look that up; empty when none does.
+    pub(super) own_indices: Vec<u32>,
     shapes: Vec<Shape>,
     /// Only in scenes that have some; boxed since most have none.
     pub(super) instances: Option<Box<Instances>>,
@@ -87,12 +90,17 @@ pub struct Interaction {
     pub instance: u32,
     /// Bound on the rounding error of `position`, m.
     pub error: f32,
-    /// (a, b, c), where ∂p/∂u and ∂p/∂v are (a, 0) and (b, c) along the frame's tangent and bitangent, m, where the shape
-    /// needs them, else 0.
-    pub partials: [f32; 3],
+    /// Partial derivatives or a place on the mesh where the shape needs one of them, else 0.
+    pub detail: Detail,
 }
 
 impl Interaction {
+    /// Where textures are looked up.
+    #[inline]
+    pub fn texture_point(&self) -> TexturePoint {
+        TexturePoint { uv: self.uv, detail: self.detail }
+    }
+
     /// A ray that leaves the surface in `direction` and does not meet it again by rounding.
     #[inline]
     pub fn ray_to(&self, direction: Vec3) -> Ray {
@@ -115,12 +123,17 @@ impl Geometry {
         let mut shading_normals = Vec::new();
         let (mut coordinates, mut tangents) = (AtVertices::<Vec2>::default(), AtVertices::<Vec4>::default());
         let mut kept_shapes = Vec::with_capacity(shapes.len());
+        let needs_places = shapes.iter().any(|(_, geometry)| geometry.needs_places);
+        let mut own_indices = Vec::with_capacity(if needs_places { count } else { 0 });
         // Each shape's own copy is gone before the tree is built.
         for (shape, mut geometry) in shapes {
             let smooth = !geometry.shading_normals.is_empty();
             for index in 0..geometry.primitives.len() {
                 let shading = if smooth { (shading_normals.len() + index) as u32 } else { NO_SHADING };
                 info.push(PrimitiveInfo { shape: kept_shapes.len() as u32, shading });
+            }
+            if needs_places {
+                own_indices.extend(0..geometry.primitives.len() as u32);
             }
             if !shape.needs_uv {
                 (geometry.texture_coordinates, geometry.tangents) = (Vec::new(), Vec::new());
@@ -138,13 +151,27 @@ impl Geometry {
         drop(primitives);
         coordinates.reorder(&order);
         tangents.reorder(&order);
+        if needs_places {
+            own_indices = order.iter().map(|index| own_indices[*index as usize]).collect();
+        }
         let info: Vec<PrimitiveInfo> = order.iter().map(|index| info[*index as usize]).collect();
         let mut members = vec![Vec::new(); kept_shapes.len()];
         for (index, info) in info.iter().enumerate() {
             members[info.shape as usize].push(index as u32);
         }
         let (shapes, instances) = (kept_shapes, None);
-        let geometry = Self { accelerator, info, shading_normals, coordinates, tangents, shapes, instances, low, high };
+        let geometry = Self {
+            accelerator,
+            info,
+            shading_normals,
+            coordinates,
+            tangents,
+            own_indices,
+            shapes,
+            instances,
+            low,
+            high,
+        };
         (geometry, members)
     }
 
@@ -227,11 +254,11 @@ impl Geometry {
         self.accelerator.is_blocked(ray) || self.instances.as_ref().is_some_and(|instances| instances.is_blocked(ray))
     }
 
-    /// [`Interaction::partials`] of a hit.
+    /// [`Detail::partials`] of a hit.
     #[inline(never)]
-    pub fn partials_in_frame(&self, hit: &Interaction) -> [f32; 3] {
+    pub fn partials_in_frame(&self, hit: &Interaction) -> Detail {
         let [along_u, along_v] = self.partials(hit).map(|partial| hit.frame.to_local(partial));
-        [along_u.x, along_v.x, along_v.y]
+        Detail::of_partials([along_u.x, along_v.x, along_v.y])
     }
 
     // Inlined always: as a call of its own it would copy every hit once more.
@@ -255,7 +282,7 @@ impl Geometry {
             primitive: index as u32,
             instance: NO_INSTANCE,
             error: point.error,
-            partials: [0.0; 3],
+            detail: Detail::default(),
         };
         if shape.needs_uv {
             self.parameterize(&mut interaction, hit.barycentric);

@@ -13,6 +13,9 @@ pub struct ToWorld {
 }
 
 impl ToWorld {
+    /// Leaves everything where it is.
+    pub const IDENTITY: Self = Self { matrix: DMat4::IDENTITY, normal_matrix: DMat3::IDENTITY };
+
     /// Reads `to_world`; the identity when it is not given.
     pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
         let matrix = fields.transform("to_world")?;

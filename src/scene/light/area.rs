@@ -31,6 +31,8 @@ pub struct Emission {
     pub two_sided: bool,
     /// Whether it is seen and lights nothing.
     pub seen_only: bool,
+    /// Whether it emits along the normal alone, as [`DirectionalArea`](super::DirectionalArea).
+    pub along_normal: bool,
 }
 
 impl Emission {
@@ -38,7 +40,7 @@ impl Emission {
     #[inline]
     pub fn at(&self, hit: &Interaction) -> Rgb {
         let is_shown = self.two_sided || hit.geometric_normal.dot(hit.outgoing) > 0.0;
-        if is_shown { self.radiance.color(hit.uv) } else { Rgb::ZERO }
+        if is_shown { self.radiance.color(&hit.texture_point()) } else { Rgb::ZERO }
     }
 }
 
@@ -67,7 +69,13 @@ const ROUNDING: f32 = 1e-4;
 pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
     let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
     let mut flag = |name: &'static str| fields.boolean(name).map(|flag| flag.unwrap_or(false));
-    Ok(Emission { radiance, two_sided: flag("two_sided")?, seen_only: flag("seen_only")? })
+    Ok(Emission { radiance, two_sided: flag("two_sided")?, seen_only: flag("seen_only")?, along_normal: false })
+}
+
+/// Reads the parameters of `directionalarea`.
+pub fn read_along_normal(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
+    let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
+    Ok(Emission { radiance, two_sided: false, seen_only: false, along_normal: true })
 }
 
 fn is_flat(primitive: &Primitive) -> bool {
@@ -78,7 +86,7 @@ fn is_flat(primitive: &Primitive) -> bool {
 fn probed_radiance(radiance: &Texture, primitive: u32, probes: usize, geometry: &Geometry) -> Rgb {
     let sum = (0..probes).map(|probe| {
         let u = [0.754_877_666, 0.569_840_291].map(|step: f64| (0.5 + step * probe as f64).fract() as f32);
-        radiance.color(geometry.sample_with_uv(primitive, u).1).as_dvec3()
+        radiance.color(&geometry.sample_for_texture(primitive, u).1).as_dvec3()
     });
     (sum.sum::<glam::DVec3>() / probes as f64).as_vec3()
 }
@@ -126,7 +134,7 @@ impl AreaLight {
     #[inline]
     pub fn emitted(&self, hit: &Interaction) -> Rgb {
         let shines = self.cosine(hit.geometric_normal.dot(hit.outgoing)) > 0.0;
-        if shines { self.radiance.color(hit.uv) } else { Rgb::ZERO }
+        if shines { self.radiance.color(&hit.texture_point()) } else { Rgb::ZERO }
     }
 
     /// The cosine against the normal on the side that emits, from that against the outside's.
@@ -143,9 +151,9 @@ impl AreaLight {
         if let Texture::Constant(radiance) = self.radiance {
             return (geometry.sample(primitive, [rest, u[1]]), primitive, radiance, self.area);
         }
-        let (point, uv) = geometry.sample_with_uv(primitive, [rest, u[1]]);
+        let (point, place) = geometry.sample_for_texture(primitive, [rest, u[1]]);
         let area = geometry.primitive(primitive).area() / self.picks.probability(pick);
-        (point, primitive, self.radiance.color(uv), area)
+        (point, primitive, self.radiance.color(&place), area)
     }
 
     /// One over the density by area of [`AreaLight::sample_point`] on the primitive at a tree index, m².
@@ -203,7 +211,7 @@ impl AreaLight {
                     true => geometry.uv_at(self.primitives[0], target.position, [0.0; 2]),
                     false => Vec2::ZERO,
                 };
-                (target, self.primitives[0], self.radiance.color(uv), Ok(pdf))
+                (target, self.primitives[0], self.radiance.color(&uv.into()), Ok(pdf))
             }
             None => {
                 let (target, primitive, radiance, area) = self.sample_point(geometry, u);

@@ -18,7 +18,6 @@ use glam::{DVec3, Vec3};
 
 use super::{DirectSample, EmittedPhoton, LightImportance, Surroundings};
 use crate::math::color::luminance;
-use crate::math::discrete::ONE_MINUS_EPSILON;
 use crate::math::grid_distribution::GridDistribution;
 use crate::math::trigonometry::sin_cos_turn;
 use crate::math::{Rgb, color};
@@ -112,7 +111,7 @@ impl EnvironmentMap {
         Ok(Self::new(raster, scale as f32, axes, surroundings))
     }
 
-    fn new(raster: Arc<Raster>, scale: f32, axes: [Vec3; 3], surroundings: Surroundings) -> Self {
+    pub(super) fn new(raster: Arc<Raster>, scale: f32, axes: [Vec3; 3], surroundings: Surroundings) -> Self {
         let (width, height) = (raster.width(), raster.height());
         let bands: Vec<Band> = (0..height - 1).map(|row| Band::new(row, width, height)).collect();
         let mut weights = Vec::with_capacity(width * bands.len());
@@ -126,19 +125,8 @@ impl EnvironmentMap {
         let cells = (scale > 0.0).then(|| GridDistribution::new(&weights, width)).flatten();
         let power = Rgb::ZERO;
         let mut map = Self { raster, scale, axes, bands, cells, power, surroundings };
-        map.power = map.mean_flux();
+        map.power = super::mean_flux(&surroundings, |u| map.sample(u));
         map
-    }
-
-    /// The mean flux of photons over an even set of random numbers (Hammersley's): ∫ L·silhouette dω.
-    fn mean_flux(&self) -> Rgb {
-        const PHOTONS: u32 = 1 << 13;
-        let flux = |photon: u32| {
-            let u = [(photon as f32 + 0.5) / PHOTONS as f32, photon.reverse_bits() as f32 / (1u64 << 32) as f32];
-            let sample = self.sample(u.map(|u| u.min(ONE_MINUS_EPSILON)))?;
-            Some((sample.weighted_radiance * self.surroundings.silhouette(sample.direction)).as_dvec3())
-        };
-        (0..PHOTONS).filter_map(flux).sum::<DVec3>().as_vec3() / PHOTONS as f32
     }
 
     fn place(&self, direction: Vec3) -> Place {
@@ -166,6 +154,13 @@ impl EnvironmentMap {
         (self.radiance_at(&place), probability / self.bands[place.row].cell)
     }
 
+    /// The density of [`EnvironmentMap::arriving`] alone.
+    pub(super) fn pdf(&self, direction: Vec3) -> f32 {
+        let place = self.place(direction);
+        let probability = self.cells.as_ref().map_or(0.0, |cells| cells.probability(place.row, place.column));
+        probability / self.bands[place.row].cell
+    }
+
     /// See [`DirectSample::emission_ratio`], m⁻².
     #[inline]
     pub fn emission_ratio(&self, direction: Vec3) -> f32 {
@@ -189,7 +184,7 @@ impl EnvironmentMap {
     }
 
     #[inline]
-    fn sample(&self, u: [f32; 2]) -> Option<DirectSample> {
+    pub(super) fn sample(&self, u: [f32; 2]) -> Option<DirectSample> {
         let cells = self.cells.as_ref()?;
         let ([row, column], [down, along]) = cells.pick(u);
         let band = &self.bands[row];

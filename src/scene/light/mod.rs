@@ -6,6 +6,7 @@
 pub mod area;
 pub mod constant;
 pub mod directional;
+pub mod directional_area;
 pub mod environment_map;
 pub mod ies;
 pub mod importance;
@@ -13,15 +14,20 @@ pub mod point;
 pub mod projector;
 mod read;
 pub mod spot;
+pub mod sun_sky;
 pub mod surroundings;
 pub mod table;
 
+use glam::DVec3;
+
+use crate::math::discrete::ONE_MINUS_EPSILON;
 use crate::math::{Rgb, Vec3};
 use crate::scene::geometry::{Geometry, Interaction};
 
 pub use area::AreaLight;
 pub use constant::Constant;
 pub use directional::Directional;
+pub use directional_area::DirectionalArea;
 pub use environment_map::EnvironmentMap;
 pub use ies::Ies;
 pub use importance::{LightImportance, Place};
@@ -29,6 +35,7 @@ pub use point::Point;
 pub use projector::Projector;
 pub use read::{check_sampling_weight, read};
 pub use spot::Spot;
+pub use sun_sky::SunSky;
 pub use surroundings::Surroundings;
 pub use table::LightTable;
 
@@ -153,7 +160,18 @@ macro_rules! lights {
     };
 }
 
-lights!(AreaLight, Point, Spot, Ies, Projector, Directional, Constant, EnvironmentMap);
+lights!(AreaLight, DirectionalArea, Point, Spot, Ies, Projector, Directional, Constant, EnvironmentMap, SunSky);
+
+/// The mean flux of photons from outside over an even set of random numbers (Hammersley's): ∫ L·silhouette dω.
+fn mean_flux(surroundings: &Surroundings, sample: impl Fn([f32; 2]) -> Option<DirectSample>) -> Rgb {
+    const PHOTONS: u32 = 1 << 13;
+    let flux = |photon: u32| {
+        let u = [(photon as f32 + 0.5) / PHOTONS as f32, photon.reverse_bits() as f32 / (1u64 << 32) as f32];
+        let sample = sample(u.map(|u| u.min(ONE_MINUS_EPSILON)))?;
+        Some((sample.weighted_radiance * surroundings.silhouette(sample.direction)).as_dvec3())
+    };
+    (0..PHOTONS).filter_map(flux).sum::<DVec3>().as_vec3() / PHOTONS as f32
+}
 
 impl EmittedPhoton {
     /// A photon of a light without extent, for a density of directions by solid angle.
@@ -197,6 +215,7 @@ impl Light {
         match self {
             Self::Constant(light) => light.emission_ratio(),
             Self::EnvironmentMap(light) => light.emission_ratio(direction),
+            Self::SunSky(light) => light.emission_ratio(direction),
             _ => 0.0,
         }
     }
@@ -208,7 +227,7 @@ impl Light {
 
     /// Whether light comes from it along every ray that leaves the scene.
     pub fn is_environment(&self) -> bool {
-        matches!(self, Self::Constant(_) | Self::EnvironmentMap(_))
+        matches!(self, Self::Constant(_) | Self::EnvironmentMap(_) | Self::SunSky(_))
     }
 
     /// The radiance from `direction` outside of the scene, and the density by solid angle with which
@@ -218,6 +237,7 @@ impl Light {
         match self {
             Self::Constant(light) => Some((light.radiance(), light.direct_pdf())),
             Self::EnvironmentMap(light) => Some(light.arriving(direction)),
+            Self::SunSky(light) => Some(light.arriving(direction)),
             _ => None,
         }
     }

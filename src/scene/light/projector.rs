@@ -74,7 +74,7 @@ impl Projector {
         if !(uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all()) {
             return None;
         }
-        let intensity = self.irradiance.color(uv) * (PI * self.scale / (cosine * cosine * cosine));
+        let intensity = self.irradiance.color(&uv.into()) * (PI * self.scale / (cosine * cosine * cosine));
         Some((intensity, cosine))
     }
 

@@ -1,11 +1,12 @@
 //! Emitter plugins that stand alone; `area` belongs to a shape.
 
-use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Projector, Spot, Surroundings};
+use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Projector, Spot, SunSky, Surroundings};
 use crate::scene::bundle::Bundle;
 use crate::scene::description::Node;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::texture::TextureReader;
+use crate::scene::unsupported::unknown_plugin;
 
 /// What an emitter is read from.
 struct Source<'a, 'b> {
@@ -29,6 +30,7 @@ const EMITTERS: &[(&str, ReadEmitter)] = &[
         let map = EnvironmentMap::read(&mut source.fields, source.textures, source.surroundings)?;
         Ok(Light::EnvironmentMap(map))
     }),
+    ("sunsky", |source| Ok(Light::SunSky(SunSky::read(&mut source.fields, source.surroundings)?))),
 ];
 
 /// Reads an emitter node.
@@ -43,8 +45,7 @@ pub fn read(
 ) -> Result<Light, SceneError> {
     let Some((_, read)) = EMITTERS.iter().find(|(name, _)| *name == node.plugin) else {
         let known: Vec<&str> = EMITTERS.iter().map(|(name, _)| *name).collect();
-        let problem = format!("there is no emitter \"{}\"", node.plugin);
-        return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
+        return Err(unknown_plugin(node, &known));
     };
     let mut source = Source { fields: Fields::new(node), surroundings, textures, bundle };
     let light = read(&mut source)?;

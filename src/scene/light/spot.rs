@@ -52,7 +52,7 @@ impl Image {
     #[inline]
     fn color(&self, direction: Vec3, cosine: f32) -> Rgb {
         let place = Vec2::from_array(self.across.map(|axis| axis.dot(direction))) / (cosine * self.tangent);
-        self.texture.color(place * 0.5 + 0.5)
+        self.texture.color(&(place * 0.5 + 0.5).into())
     }
 }
 

@@ -13,6 +13,7 @@ use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
 
 /// A mixture of two materials.
@@ -29,7 +30,7 @@ pub fn read_share(
     name: &'static str,
 ) -> Result<Option<Texture>, SceneError> {
     let texture = textures.number(fields, name)?;
-    match texture.as_ref().filter(|texture| !texture.varies()).map(|texture| texture.number(Vec2::ZERO)) {
+    match texture.as_ref().filter(|texture| !texture.varies()).map(|texture| texture.number(&TexturePoint::default())) {
         Some(number) if !(0.0..=1.0).contains(&number) => {
             Err(fields.error(name, format!("\"{name}\" is {number}"), "give a number from 0 to 1"))
         }
@@ -69,7 +70,7 @@ impl Blend {
     }
 
     fn weights(&self, view: &View) -> [f32; 2] {
-        let second = self.weight.number(view.uv).clamp(0.0, 1.0);
+        let second = self.weight.number(&view.point).clamp(0.0, 1.0);
         [1.0 - second, second]
     }
 

@@ -36,9 +36,9 @@ impl NormalSource for Displacement {
     }
 
     fn normal(&self, view: &View) -> Option<Vec3> {
-        let slope = self.displacement.gradient(view.uv) * self.scale;
+        let slope = self.displacement.gradient(&view.point) * self.scale;
         // The displaced partial derivatives are (a, 0, slope.x) and (b, c, slope.y).
-        let [a, b, c] = view.partials;
+        let [a, b, c] = view.point.detail.partials();
         let normal = Vec3::new(-slope.x * c, slope.x * b - a * slope.y, a * c).try_normalize()?;
         Some(if normal.z < 0.0 { -normal } else { normal })
     }

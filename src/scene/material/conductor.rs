@@ -69,7 +69,7 @@ impl Conductor {
             Some((eta, k)) => fresnel::conductor(outgoing.z, eta, k),
             None => Rgb::ONE,
         };
-        Some(MaterialSample::mirrored(outgoing, reflected * self.specular_reflectance.color(view.uv)))
+        Some(MaterialSample::mirrored(outgoing, reflected * self.specular_reflectance.color(&view.point)))
     }
 
     /// One specular lobe.

@@ -77,7 +77,7 @@ impl Dielectric {
     }
 
     fn reflection(&self, view: &View) -> MaterialSample {
-        MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(view.uv))
+        MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(&view.point))
     }
 
     fn refraction(&self, view: &View, cosine: f32, relative_index: f32) -> MaterialSample {
@@ -90,7 +90,7 @@ impl Dielectric {
         };
         MaterialSample {
             direction,
-            weight: self.specular_transmittance.color(view.uv) * scale,
+            weight: self.specular_transmittance.color(&view.point) * scale,
             pdf: 0.0,
             relative_index,
         }

@@ -38,7 +38,7 @@ impl Diffuse {
         let pdf = warp::cosine_hemisphere_pdf(direction.z);
         (seen(view) && pdf > 0.0).then_some(MaterialSample {
             direction,
-            weight: self.reflectance.color(view.uv),
+            weight: self.reflectance.color(&view.point),
             pdf,
             relative_index: 1.0,
         })
@@ -47,7 +47,7 @@ impl Diffuse {
     /// reflectance/π above the surface.
     #[inline]
     pub fn evaluate(&self, view: &View, incident: Vec3) -> Rgb {
-        if seen(view) && incident.z > 0.0 { self.reflectance.color(view.uv) * FRAC_1_PI } else { Rgb::ZERO }
+        if seen(view) && incident.z > 0.0 { self.reflectance.color(&view.point) * FRAC_1_PI } else { Rgb::ZERO }
     }
 
     /// cos θ/π above the surface.
@@ -74,7 +74,7 @@ impl Diffuse {
     /// reflectance/π.
     #[inline]
     pub fn constant_value(&self, view: &View) -> Option<Rgb> {
-        Some(if seen(view) { self.reflectance.color(view.uv) * FRAC_1_PI } else { Rgb::ZERO })
+        Some(if seen(view) { self.reflectance.color(&view.point) * FRAC_1_PI } else { Rgb::ZERO })
     }
 }
 

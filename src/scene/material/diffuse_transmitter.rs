@@ -36,7 +36,7 @@ impl DiffuseTransmitter {
     /// transmittance/π on the other side.
     pub fn evaluate(&self, view: &View, incident: Vec3) -> Rgb {
         let seen = view.lobes.any(Lobes::WIDE) && view.outgoing.z * incident.z < 0.0;
-        if seen { self.transmittance.color(view.uv) * FRAC_1_PI } else { Rgb::ZERO }
+        if seen { self.transmittance.color(&view.point) * FRAC_1_PI } else { Rgb::ZERO }
     }
 
     /// |cos θ|/π on the other side.

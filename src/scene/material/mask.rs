@@ -39,7 +39,7 @@ impl Mask {
     }
 
     fn opacity(&self, view: &View) -> f32 {
-        self.opacity.number(view.uv).clamp(0.0, 1.0)
+        self.opacity.number(&view.point).clamp(0.0, 1.0)
     }
 
     /// The material or the hole is chosen by the opacity, as far as they have lobes in view.

@@ -22,6 +22,7 @@ use crate::math::trigonometry::sin_cos_turn;
 use crate::math::{Vec2, Vec3};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
 
 /// The least roughness, that of Mitsuba.
@@ -247,10 +248,10 @@ impl Roughness {
         Ok(Self { shape, lobes: Lobes::of_roughness(mean_alpha(&alpha_u, &alpha_v)), alpha_u, alpha_v })
     }
 
-    /// The distribution at `uv`.
+    /// The distribution at `point`.
     #[inline]
-    pub fn at(&self, uv: Vec2) -> Microfacets {
-        Microfacets::new(self.shape, self.alpha_u.number(uv), self.alpha_v.number(uv))
+    pub fn at(&self, point: &TexturePoint) -> Microfacets {
+        Microfacets::new(self.shape, self.alpha_u.number(point), self.alpha_v.number(point))
     }
 
     /// Whether it is textured.
@@ -311,7 +312,7 @@ fn read_alpha(
     name: &'static str,
 ) -> Result<Option<Texture>, SceneError> {
     let alpha = textures.number(fields, name)?;
-    match alpha.as_ref().filter(|alpha| !alpha.varies()).map(|alpha| alpha.number(Vec2::ZERO)) {
+    match alpha.as_ref().filter(|alpha| !alpha.varies()).map(|alpha| alpha.number(&TexturePoint::default())) {
         Some(number) if number < LEAST_ALPHA => {
             let problem = format!("\"{name}\" is {number}: rough surfaces start at {LEAST_ALPHA}");
             Err(fields.error(name, problem, format!("give at least {LEAST_ALPHA}, or use the smooth material")))
@@ -323,17 +324,17 @@ fn read_alpha(
 /// The mean of two roughnesses over texture coordinates.
 pub fn mean_alpha(alpha_u: &Texture, alpha_v: &Texture) -> f32 {
     let varies = alpha_u.varies() || alpha_v.varies();
-    mean_over_grid(varies, |uv| 0.5 * (alpha_u.number(uv) + alpha_v.number(uv)))
+    mean_over_grid(varies, |point| 0.5 * (alpha_u.number(point) + alpha_v.number(point)))
 }
 
 /// The mean of `value` over a grid of texture coordinates, or its only value where it does not vary.
-pub fn mean_over_grid(varies: bool, value: impl Fn(Vec2) -> f32) -> f32 {
+pub fn mean_over_grid(varies: bool, value: impl Fn(&TexturePoint) -> f32) -> f32 {
     const SIDE: usize = 16;
     if !varies {
-        return value(Vec2::ZERO);
+        return value(&TexturePoint::default());
     }
     let place = |index: usize| Vec2::new((index % SIDE) as f32 + 0.5, (index / SIDE) as f32 + 0.5) / SIDE as f32;
-    (0..SIDE * SIDE).map(place).map(value).sum::<f32>() / (SIDE * SIDE) as f32
+    (0..SIDE * SIDE).map(|index| value(&place(index).into())).sum::<f32>() / (SIDE * SIDE) as f32
 }
 
 /// D of [`Shape::Beckmann`] sampled over all normals instead of visible ones, by its cosine [Walter et al. 2007, eq. 28].

@@ -50,6 +50,7 @@ pub mod normal_map;
 pub mod null;
 pub mod plastic;
 pub mod principled;
+pub mod principled_thin;
 pub mod refractive_indices;
 pub mod rough_conductor;
 pub mod rough_dielectric;
@@ -61,10 +62,11 @@ pub mod ward;
 
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::Node;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
-use crate::scene::geometry::Interaction;
+use crate::scene::geometry::{Interaction, TexturePoint};
 use crate::scene::texture::TextureReader;
+use crate::scene::unsupported::unknown_plugin;
 
 pub use blend::Blend;
 pub use bump_map::BumpMap;
@@ -77,6 +79,7 @@ pub use normal_map::NormalMap;
 pub use null::Null;
 pub use plastic::Plastic;
 pub use principled::Principled;
+pub use principled_thin::PrincipledThin;
 pub use rough_conductor::RoughConductor;
 pub use rough_dielectric::RoughDielectric;
 pub use rough_plastic::RoughPlastic;
@@ -96,29 +99,27 @@ pub enum TransportMode {
 /// A material seen from a direction: what a question about scattering is about.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
-    /// Texture coordinates.
-    pub uv: Vec2,
+    /// Where textures are looked up.
+    pub point: TexturePoint,
     /// Local unit direction in which the path came, pointing away from the surface.
     pub outgoing: Vec3,
     /// What the path carries.
     pub mode: TransportMode,
     /// Only these lobes count.
     pub lobes: Lobes,
-    /// See [`Interaction::partials`](crate::scene::geometry::Interaction::partials).
-    pub partials: [f32; 3],
 }
 
 impl View {
     /// All lobes at `uv`, seen from `outgoing`.
     pub fn new(uv: Vec2, outgoing: Vec3, mode: TransportMode) -> Self {
-        Self { uv, outgoing, mode, lobes: Lobes::ALL, partials: [0.0; 3] }
+        Self { point: uv.into(), outgoing, mode, lobes: Lobes::ALL }
     }
 
     /// The surface as the path that came to `hit` sees it, with all lobes.
     #[inline]
     pub fn at(hit: &Interaction, mode: TransportMode) -> Self {
         let outgoing = hit.frame.to_local(hit.outgoing);
-        Self { uv: hit.uv, outgoing, mode, lobes: Lobes::ALL, partials: hit.partials }
+        Self { point: hit.texture_point(), outgoing, mode, lobes: Lobes::ALL }
     }
 
     /// The same view of some lobes only.
@@ -330,6 +331,7 @@ materials! {
     Mask(Box<Mask>) = "mask",
     Null(Null) = "null",
     Principled(Box<Principled>) = "principled",
+    PrincipledThin(Box<PrincipledThin>) = "principledthin",
     DiffuseTransmitter(DiffuseTransmitter) = "difftrans",
     NormalMap(Box<NormalMap>) = "normalmap",
     BumpMap(Box<BumpMap>) = "bumpmap",
@@ -339,8 +341,7 @@ materials! {
 pub fn read(node: &Node, textures: &mut TextureReader<'_>) -> Result<Material, SceneError> {
     let Some((_, read)) = MATERIALS.iter().find(|(name, _)| *name == node.plugin) else {
         let known: Vec<&str> = MATERIALS.iter().map(|(name, _)| *name).collect();
-        let problem = format!("there is no bsdf \"{}\"", node.plugin);
-        return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &known)));
+        return Err(unknown_plugin(node, &known));
     };
     let mut fields = Fields::new(node);
     let material = read(&mut fields, textures)?;

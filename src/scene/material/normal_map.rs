@@ -2,13 +2,13 @@
 //!
 //! | parameter | meaning | default |
 //! |---|---|---|
-//! | `normalmap` | a texture, whose bitmap is `raw`: red, green and blue from 0 to 1 are coordinates from -1 to 1 along ∂p/∂u, across it and along the shading normal | required |
+//! | `normalmap` | a color or a texture, whose bitmap is `raw`: red, green and blue from 0 to 1 are coordinates from -1 to 1 along ∂p/∂u, across it and along the shading normal | required |
 //!
 //! See [`turned_normal`](super::turned_normal) for what it shares with `bumpmap`.
 
 use super::View;
 use super::turned_normal::{NormalSource, TurnedNormal};
-use crate::math::Vec3;
+use crate::math::{Rgb, Vec3};
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -25,16 +25,17 @@ pub struct NormalImage {
 
 impl NormalSource for NormalImage {
     fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
-        match fields.named_child(PluginClass::Texture, "normalmap") {
-            Some(node) => Ok(Self { normals: textures.texture(node)? }),
-            None => {
-                let problem = "\"normalmap\" has no texture \"normalmap\"";
-                Err(SceneError::new(fields.location(), problem, "nest <texture name=\"normalmap\" …>"))
-            }
+        if let Some(node) = fields.named_child(PluginClass::Texture, "normalmap") {
+            return Ok(Self { normals: textures.texture(node)? });
         }
+        let Some(everywhere) = fields.rgb("normalmap")? else {
+            let problem = "\"normalmap\" has no texture \"normalmap\"";
+            return Err(SceneError::new(fields.location(), problem, "nest <texture name=\"normalmap\" …>"));
+        };
+        Ok(Self { normals: Texture::Constant(Rgb::from_array(everywhere.map(|coordinate| coordinate as f32))) })
     }
 
     fn normal(&self, view: &View) -> Option<Vec3> {
-        (self.normals.color(view.uv) * 2.0 - 1.0).try_normalize()
+        (self.normals.color(&view.point) * 2.0 - 1.0).try_normalize()
     }
 }

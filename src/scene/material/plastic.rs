@@ -62,7 +62,7 @@ impl CoatedBase {
     /// The BSDF without the coat's transmittance, 1/sr.
     #[inline]
     pub fn value(&self, view: &View) -> Rgb {
-        let reflectance = self.reflectance.color(view.uv);
+        let reflectance = self.reflectance.color(&view.point);
         let trapped = if self.nonlinear { reflectance } else { Rgb::ONE } * self.internal_reflectance;
         reflectance * (FRAC_1_PI * self.inverse_index_squared) / (Rgb::ONE - trapped)
     }
@@ -83,8 +83,8 @@ impl Plastic {
     /// About how much light the coat and the base reflect, black outside of the lobes in view.
     fn shares(&self, view: &View) -> [f32; 2] {
         let reflected = fresnel::dielectric(view.outgoing.z, self.relative_index).reflected;
-        let coat = reflected * mean(self.specular_reflectance.color(view.uv));
-        let base = (1.0 - reflected) * mean(self.base.reflectance.color(view.uv));
+        let coat = reflected * mean(self.specular_reflectance.color(&view.point));
+        let base = (1.0 - reflected) * mean(self.base.reflectance.color(&view.point));
         [if view.lobes.any(Lobes::SPECULAR) { coat } else { 0.0 }, if view.lobes.any(Lobes::WIDE) { base } else { 0.0 }]
     }
 
@@ -105,7 +105,7 @@ impl Plastic {
 
     fn mirrored(&self, view: &View) -> MaterialSample {
         let reflected = fresnel::dielectric(view.outgoing.z, self.relative_index).reflected;
-        MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(view.uv) * reflected)
+        MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(&view.point) * reflected)
     }
 
     /// The base, seen through the coat.

@@ -30,9 +30,10 @@ use super::lobe_choice::{LobeChoice, followed_share, mean};
 use super::microfacet::{self, LongTail, Microfacets, Shape};
 use super::rough_dielectric::{refract, refraction_scale};
 use super::{Lobes, MaterialSample, SpecularLobes, View, flip, fresnel};
-use crate::math::{Rgb, Vec2, Vec3, color, warp};
+use crate::math::{Rgb, Vec3, color, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
 
 /// Disney's material.
@@ -71,10 +72,40 @@ struct Place {
 }
 
 /// `sqrt(1 - 0.9·anisotropic)` stretches α [Burley 2012, 5.4].
-fn alphas(roughness: f32, anisotropic: f32) -> (f32, f32) {
+pub(super) fn alphas(roughness: f32, anisotropic: f32) -> (f32, f32) {
     let aspect = (1.0 - 0.9 * anisotropic).max(0.0).sqrt();
     let alpha = roughness * roughness;
     ((alpha / aspect).max(0.001), (alpha * aspect).max(0.001))
+}
+
+/// A base color at luminance 1; white for black.
+pub(super) fn hue(base_color: Rgb) -> Rgb {
+    let luminance = color::luminance(base_color);
+    if luminance > 0.0 { base_color / luminance } else { Rgb::ONE }
+}
+
+/// The color of sheen.
+pub(super) fn sheen_color(base_color: Rgb, tint: f32) -> Rgb {
+    Rgb::splat(1.0 - tint) + hue(base_color) * tint
+}
+
+/// The matte and retro-reflecting part times π, 1 about normal incidence [Burley 2012, 5.3; Burley 2015, 5.3]. `cosines` are
+/// those of the two directions, `cosine` that between them and their half vector.
+pub(super) fn base_shape(roughness: f32, flatness: f32, cosines: [f32; 2], cosine: f32) -> f32 {
+    let [from, to] = cosines.map(fresnel::schlick_weight);
+    let back = 2.0 * roughness * cosine * cosine;
+    let matte = (1.0 - 0.5 * from) * (1.0 - 0.5 * to);
+    let retro = back * (from + to + from * to * (back - 1.0));
+    let flatten = |weight: f32| 1.0 + (0.5 * back - 1.0) * weight;
+    let below = flatten(from) * flatten(to) * (1.0 / (cosines[0] + cosines[1]) - 0.5) + 0.5;
+    (1.0 - flatness) * (matte + retro) + flatness * 1.25 * below
+}
+
+/// A dielectric's reflection `reflected`, so far tinted with a hue [Burley 2015, 5.1].
+pub(super) fn tinted_reflection(reflected: f32, tint: f32, hue: Rgb, cosine: f32, relative_index: f32) -> Rgb {
+    let normal = ((relative_index - 1.0) / (relative_index + 1.0)).powi(2);
+    let tinted = fresnel::schlick(hue * normal, cosine, relative_index);
+    Rgb::splat((1.0 - tint) * reflected) + tint * tinted
 }
 
 fn read_index(fields: &mut Fields<'_>, lets_light_through: bool) -> Result<f32, SceneError> {
@@ -103,8 +134,8 @@ fn read_index(fields: &mut Fields<'_>, lets_light_through: bool) -> Result<f32, 
 }
 
 /// Whether a texture is `value` everywhere.
-fn is_everywhere(texture: &Texture, value: f32) -> bool {
-    !texture.varies() && texture.number(Vec2::ZERO) == value
+pub(super) fn is_everywhere(texture: &Texture, value: f32) -> bool {
+    !texture.varies() && texture.number(&TexturePoint::default()) == value
 }
 
 impl Principled {
@@ -141,8 +172,8 @@ impl Principled {
     fn find_kinds(&self) -> [Lobes; 3] {
         let has_matte = !is_everywhere(&self.metallic, 1.0) && !is_everywhere(&self.spec_trans, 1.0);
         let varies = self.roughness.varies() || self.anisotropic.varies();
-        let alpha = microfacet::mean_over_grid(varies, |uv| {
-            let (alpha_u, alpha_v) = alphas(self.roughness.number(uv), self.anisotropic.number(uv));
+        let alpha = microfacet::mean_over_grid(varies, |point| {
+            let (alpha_u, alpha_v) = alphas(self.roughness.number(point), self.anisotropic.number(point));
             0.5 * (alpha_u + alpha_v)
         });
         [
@@ -153,12 +184,12 @@ impl Principled {
     }
 
     fn at(&self, view: &View) -> Place {
-        let number = |texture: &Texture| texture.number(view.uv).clamp(0.0, 1.0);
+        let number = |texture: &Texture| texture.number(&view.point).clamp(0.0, 1.0);
         let (metallic, spec_trans) = (number(&self.metallic), number(&self.spec_trans));
         let (alpha_u, alpha_v) = alphas(number(&self.roughness), number(&self.anisotropic));
         let is_front = view.outgoing.z >= 0.0;
         Place {
-            base_color: self.base_color.color(view.uv),
+            base_color: self.base_color.color(&view.point),
             microfacets: Microfacets::new(Shape::Ggx, alpha_u, alpha_v),
             metallic,
             matte: (1.0 - metallic) * (1.0 - spec_trans),
@@ -173,7 +204,7 @@ impl Principled {
     fn shares(&self, view: &View, place: &Place) -> [f32; 3] {
         /// Main specular parts are sampled at least so often: their share grows away from the mirror direction.
         const LEAST_MAIN: f32 = 0.02;
-        let number = |texture: &Texture| texture.number(view.uv).clamp(0.0, 1.0);
+        let number = |texture: &Texture| texture.number(&view.point).clamp(0.0, 1.0);
         let seen = |part: usize, share: f32| if view.lobes.any(self.kinds[part]) { share } else { 0.0 };
         if !place.is_front {
             return [0.0, seen(1, place.glass), 0.0];
@@ -206,7 +237,7 @@ impl Principled {
     }
 
     fn coat(&self, view: &View) -> LongTail {
-        LongTail::new(0.1 - 0.099 * self.clearcoat_gloss.number(view.uv).clamp(0.0, 1.0))
+        LongTail::new(0.1 - 0.099 * self.clearcoat_gloss.number(&view.point).clamp(0.0, 1.0))
     }
 
     /// The BSDF and the density.
@@ -244,18 +275,11 @@ impl Principled {
 
     /// Matte, retro-reflecting and sheen part [Burley 2012, 5.3; Burley 2015, 5.3].
     fn matte_value(&self, view: &View, place: &Place, incident: Vec3, half: Vec3) -> Rgb {
-        let number = |texture: &Texture| texture.number(view.uv).clamp(0.0, 1.0);
-        let (from, to) = (fresnel::schlick_weight(incident.z), fresnel::schlick_weight(place.outgoing.z));
+        let number = |texture: &Texture| texture.number(&view.point).clamp(0.0, 1.0);
         let cosine = half.dot(incident);
-        let back = 2.0 * number(&self.roughness) * cosine * cosine;
-        let matte = (1.0 - 0.5 * from) * (1.0 - 0.5 * to);
-        let retro = back * (from + to + from * to * (back - 1.0));
-        let flatten = |weight: f32| 1.0 + (0.5 * back - 1.0) * weight;
-        let below = flatten(from) * flatten(to) * (1.0 / (incident.z + place.outgoing.z) - 0.5) + 0.5;
-        let flatness = number(&self.flatness);
-        let base = (1.0 - flatness) * (matte + retro) + flatness * 1.25 * below;
-        let sheen_tint = number(&self.sheen_tint);
-        let hue = Rgb::splat(1.0 - sheen_tint) + place.hue() * sheen_tint;
+        let cosines = [incident.z, place.outgoing.z];
+        let base = base_shape(number(&self.roughness), number(&self.flatness), cosines, cosine);
+        let hue = sheen_color(place.base_color, number(&self.sheen_tint));
         let sheen = number(&self.sheen) * (1.0 - place.metallic) * fresnel::schlick_weight(cosine.abs());
         place.base_color * (place.matte * FRAC_1_PI * base) + hue * sheen
     }
@@ -271,10 +295,9 @@ impl Principled {
         }
         let mut color = place.metallic * fresnel::schlick(place.base_color, cosine, place.relative_index);
         if reflected > 0.0 {
-            let tint = self.spec_tint.number(view.uv).clamp(0.0, 1.0);
-            let normal = ((place.relative_index - 1.0) / (place.relative_index + 1.0)).powi(2);
-            let tinted = fresnel::schlick(place.hue() * normal, cosine, place.relative_index);
-            color += (1.0 - place.metallic) * (Rgb::splat((1.0 - tint) * reflected) + tint * tinted);
+            let tint = self.spec_tint.number(&view.point).clamp(0.0, 1.0);
+            let tinted = tinted_reflection(reflected, tint, hue(place.base_color), cosine, place.relative_index);
+            color += (1.0 - place.metallic) * tinted;
         }
         (color * value, pdf)
     }
@@ -285,7 +308,7 @@ impl Principled {
         let density = self.coat(view).density(half);
         let shadowing = Microfacets::new(Shape::Ggx, 0.25, 0.25).shadowing(place.outgoing, incident, half);
         let reflected = fresnel::schlick(Rgb::splat(0.04), cosine, place.relative_index).x;
-        let amount = 0.25 * self.clearcoat.number(view.uv).clamp(0.0, 1.0);
+        let amount = 0.25 * self.clearcoat.number(&view.point).clamp(0.0, 1.0);
         (amount * reflected * density * shadowing, density * half.z / (4.0 * cosine))
     }
 
@@ -325,12 +348,6 @@ impl Principled {
 }
 
 impl Place {
-    /// The base color at luminance 1; white for black.
-    fn hue(&self) -> Rgb {
-        let luminance = color::luminance(self.base_color);
-        if luminance > 0.0 { self.base_color / luminance } else { Rgb::ONE }
-    }
-
     /// With what probability the main part refracts at a microfacet that reflects the share `reflected`.
     fn passing(&self, reflected: f32) -> f32 {
         (1.0 - reflected) * if self.is_front { self.glass } else { 1.0 }

@@ -45,7 +45,7 @@ impl RoughConductor {
         if !self.sees(view) {
             return None;
         }
-        let normal = self.roughness.at(view.uv).visible_normal(view.outgoing, [u[0], u[1]]);
+        let normal = self.roughness.at(&view.point).visible_normal(view.outgoing, [u[0], u[1]]);
         let direction = microfacet::reflect(view.outgoing, normal);
         MaterialSample::weighted(direction, self.respond(view, direction), 1.0)
     }
@@ -56,12 +56,12 @@ impl RoughConductor {
             return (Rgb::ZERO, 0.0);
         }
         let half = (view.outgoing + incident).normalize();
-        let (value, pdf) = microfacet::reflection(&self.roughness.at(view.uv), view.outgoing, incident, half);
+        let (value, pdf) = microfacet::reflection(&self.roughness.at(&view.point), view.outgoing, incident, half);
         let reflected = match self.index {
             Some((eta, k)) => fresnel::conductor(view.outgoing.dot(half).min(1.0), eta, k),
             None => Rgb::ONE,
         };
-        (reflected * self.specular_reflectance.color(view.uv) * value, pdf)
+        (reflected * self.specular_reflectance.color(&view.point) * value, pdf)
     }
 
     /// F·D·G/(4·cos θo·cos θi) above the surface.

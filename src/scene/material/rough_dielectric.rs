@@ -54,7 +54,7 @@ impl RoughDielectric {
             return None;
         }
         let (outgoing, _, relative_index) = self.facing(view, view.outgoing);
-        let normal = self.roughness.at(view.uv).visible_normal(outgoing, [u[0], u[1]]);
+        let normal = self.roughness.at(&view.point).visible_normal(outgoing, [u[0], u[1]]);
         let boundary = fresnel::dielectric(outgoing.dot(normal).clamp(0.0, 1.0), relative_index);
         let refracted = u[2] >= boundary.reflected;
         let direction = match refracted {
@@ -75,19 +75,19 @@ impl RoughDielectric {
             return (Rgb::ZERO, 0.0);
         }
         let (outgoing, incident, relative_index) = self.facing(view, incident);
-        let microfacets = self.roughness.at(view.uv);
+        let microfacets = self.roughness.at(&view.point);
         if incident.z > 0.0 {
             let half = (outgoing + incident).normalize();
             let reflected = fresnel::dielectric(outgoing.dot(half).clamp(0.0, 1.0), relative_index).reflected;
             let (value, pdf) = microfacet::reflection(&microfacets, outgoing, incident, half);
-            return (self.specular_reflectance.color(view.uv) * reflected * value, reflected * pdf);
+            return (self.specular_reflectance.color(&view.point) * reflected * value, reflected * pdf);
         }
         let Some(refraction) = microfacet::refraction(&microfacets, outgoing, incident, relative_index) else {
             return (Rgb::ZERO, 0.0);
         };
         let passed = 1.0 - refraction.reflected;
         let value = passed * refraction.flux_value * refraction_scale(view.mode, relative_index);
-        (self.specular_transmittance.color(view.uv) * value, passed * refraction.pdf)
+        (self.specular_transmittance.color(&view.point) * value, passed * refraction.pdf)
     }
 
     /// Reflection on one side, refraction on the other.

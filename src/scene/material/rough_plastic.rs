@@ -19,9 +19,10 @@ use super::microfacet::{self, Microfacets, Roughness};
 use super::plastic::CoatedBase;
 use super::rough_dielectric::{read_relative_index, refract};
 use super::{Lobes, MaterialSample, SpecularLobes, View, fresnel};
-use crate::math::{Rgb, Vec2, Vec3, warp};
+use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
 
 /// A matte base under a rough clear coat.
@@ -47,7 +48,7 @@ impl RoughPlastic {
             let problem = "the roughness of a \"roughplastic\" is a texture";
             return Err(fields.error("alpha", problem, "give a number, or blend two plastics with \"blendbsdf\""));
         }
-        let microfacets = roughness.at(Vec2::ZERO);
+        let microfacets = roughness.at(&TexturePoint::default());
         let inside = reflectances(&microfacets, 1.0 / relative_index);
         let sum: f32 = inside.iter().enumerate().map(|(index, reflected)| reflected * cosine(index)).sum();
         Ok(Self {
@@ -71,8 +72,8 @@ impl RoughPlastic {
     /// About how much light the coat and the base reflect, black outside of the lobes in view.
     fn shares(&self, view: &View) -> [f32; 2] {
         let passed = self.passed(view.outgoing.z);
-        let coat = (1.0 - passed) * mean(self.specular_reflectance.color(view.uv));
-        let base = passed * mean(self.base.reflectance.color(view.uv));
+        let coat = (1.0 - passed) * mean(self.specular_reflectance.color(&view.point));
+        let base = passed * mean(self.base.reflectance.color(&view.point));
         [
             if view.lobes.any(self.roughness.lobes()) { coat } else { 0.0 },
             if view.lobes.any(Lobes::WIDE) { base } else { 0.0 },
@@ -86,7 +87,7 @@ impl RoughPlastic {
         }
         let direction = match LobeChoice::new(self.shares(view)).pick(u[2])?.0 {
             0 => {
-                let normal = self.roughness.at(view.uv).visible_normal(view.outgoing, [u[0], u[1]]);
+                let normal = self.roughness.at(&view.point).visible_normal(view.outgoing, [u[0], u[1]]);
                 microfacet::reflect(view.outgoing, normal)
             }
             _ => warp::cosine_hemisphere([u[0], u[1]]),
@@ -103,9 +104,9 @@ impl RoughPlastic {
         let (mut value, mut pdf) = (Rgb::ZERO, 0.0);
         if view.lobes.any(self.roughness.lobes()) {
             let half = (view.outgoing + incident).normalize();
-            let reflection = microfacet::reflection(&self.roughness.at(view.uv), view.outgoing, incident, half);
+            let reflection = microfacet::reflection(&self.roughness.at(&view.point), view.outgoing, incident, half);
             let reflected = fresnel::dielectric(view.outgoing.dot(half).clamp(0.0, 1.0), self.relative_index).reflected;
-            value += self.specular_reflectance.color(view.uv) * (reflected * reflection.0);
+            value += self.specular_reflectance.color(&view.point) * (reflected * reflection.0);
             pdf += coat * reflection.1;
         }
         if view.lobes.any(Lobes::WIDE) {

@@ -45,9 +45,9 @@ impl ThinDielectric {
             return None;
         }
         Some(if u[2] < self.reflected(view) {
-            MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(view.uv))
+            MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(&view.point))
         } else {
-            MaterialSample::straight(view.outgoing, self.specular_transmittance.color(view.uv))
+            MaterialSample::straight(view.outgoing, self.specular_transmittance.color(&view.point))
         })
     }
 
@@ -62,8 +62,8 @@ impl ThinDielectric {
             return SpecularLobes::default();
         }
         let share = self.reflected(view);
-        let mirrored = MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(view.uv) * share);
-        let passing = self.specular_transmittance.color(view.uv) * (1.0 - share);
+        let mirrored = MaterialSample::mirrored(view.outgoing, self.specular_reflectance.color(&view.point) * share);
+        let passing = self.specular_transmittance.color(&view.point) * (1.0 - share);
         [Some(mirrored), Some(MaterialSample::straight(view.outgoing, passing)), None, None]
     }
 }

@@ -21,9 +21,10 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use super::lobe_choice::{LobeChoice, followed_share, mean};
 use super::microfacet::{self, LEAST_ALPHA};
 use super::{Lobes, MaterialSample, SpecularLobes, View};
-use crate::math::{Rgb, Vec2, Vec3, warp};
+use crate::math::{Rgb, Vec3, warp};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
 
 /// How the glossy part is normalized.
@@ -65,7 +66,8 @@ impl Ward {
         let diffuse_reflectance = textures.share(fields, "diffuse_reflectance", 0.5)?;
         let specular_reflectance = textures.share(fields, "specular_reflectance", 0.2)?;
         if !diffuse_reflectance.varies() && !specular_reflectance.varies() {
-            let sum = diffuse_reflectance.color(Vec2::ZERO) + specular_reflectance.color(Vec2::ZERO);
+            let sum = diffuse_reflectance.color(&TexturePoint::default())
+                + specular_reflectance.color(&TexturePoint::default());
             if sum.max_element() > 1.0 + 1e-6 {
                 let problem = format!(
                     "\"diffuse_reflectance\" and \"specular_reflectance\" add up to {}: it would reflect more than arrives",
@@ -79,13 +81,13 @@ impl Ward {
     }
 
     fn alphas(&self, view: &View) -> (f32, f32) {
-        (self.alpha_u.number(view.uv).max(LEAST_ALPHA), self.alpha_v.number(view.uv).max(LEAST_ALPHA))
+        (self.alpha_u.number(&view.point).max(LEAST_ALPHA), self.alpha_v.number(&view.point).max(LEAST_ALPHA))
     }
 
     /// The glossy and the matte share, black outside of the lobes in view.
     fn shares(&self, view: &View) -> [f32; 2] {
         let share = |lobes: Lobes, texture: &Texture| match view.lobes.any(lobes) {
-            true => mean(texture.color(view.uv)),
+            true => mean(texture.color(&view.point)),
             false => 0.0,
         };
         [share(self.glossy, &self.specular_reflectance), share(Lobes::WIDE, &self.diffuse_reflectance)]
@@ -116,11 +118,11 @@ impl Ward {
         let (mut value, mut pdf) = (Rgb::ZERO, 0.0);
         if view.lobes.any(self.glossy) {
             let (reflected, density) = self.glossy_part(view, incident);
-            value += self.specular_reflectance.color(view.uv) * reflected;
+            value += self.specular_reflectance.color(&view.point) * reflected;
             pdf += glossy * density;
         }
         if view.lobes.any(Lobes::WIDE) {
-            value += self.diffuse_reflectance.color(view.uv) * FRAC_1_PI;
+            value += self.diffuse_reflectance.color(&view.point) * FRAC_1_PI;
             pdf += matte * warp::cosine_hemisphere_pdf(incident.z);
         }
         (value, pdf)

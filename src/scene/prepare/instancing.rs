@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Builder, Fields, Geometry, Node, PluginClass, SceneError, check_reach};
+use super::{Builder, Fields, Geometry, MERGE, Node, PluginClass, SceneError, check_reach, members};
 use crate::scene::geometry::Instance;
 
 /// The plugins that are read here, not by the table of shapes.
@@ -50,7 +50,13 @@ impl Builder<'_> {
         let mut fields = Fields::new(node);
         fields.ignore(&[super::OF_DERIVATIVES]);
         let mut shapes = Vec::new();
-        for child in fields.children(PluginClass::Shape) {
+        let mut waiting = fields.children(PluginClass::Shape);
+        waiting.reverse();
+        while let Some(child) = waiting.pop() {
+            if child.plugin == MERGE {
+                waiting.extend(members(child)?.into_iter().rev());
+                continue;
+            }
             check_member(child)?;
             let (shape, geometry, emission) = self.read_shape(child)?;
             if emission.is_some() {

@@ -7,23 +7,26 @@ use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::light::area::{self, Emission};
-use crate::scene::light::{self, AreaLight, Light, LightTable, Surroundings};
+use crate::scene::light::{self, AreaLight, DirectionalArea, Light, LightTable, Surroundings};
 use crate::scene::texture::TextureReader;
 
 pub(super) fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
-    if node.plugin != "area" {
-        let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
-        return Err(SceneError::new(
-            &node.location,
-            problem,
-            "only \"area\" stands in a shape; put others in the scene",
-        ));
-    }
+    let read = match node.plugin.as_str() {
+        "area" => area::read,
+        "directionalarea" => area::read_along_normal,
+        _ => return Err(not_of_a_shape(node)),
+    };
     let mut fields = Fields::new(node);
-    let emission = area::read(&mut fields, textures)?;
+    let emission = read(&mut fields, textures)?;
     light::check_sampling_weight(&mut fields)?;
     fields.finish()?;
     Ok(emission)
+}
+
+fn not_of_a_shape(node: &Node) -> SceneError {
+    let problem = format!("a shape cannot carry emitter \"{}\"", node.plugin);
+    let remedy = "only \"area\" and \"directionalarea\" stand in a shape; put others in the scene";
+    SceneError::new(&node.location, problem, remedy)
 }
 
 /// Turns the shapes that emit into lights.
@@ -34,7 +37,10 @@ pub(super) fn place_area_lights(
     lights: &mut Vec<Light>,
 ) {
     for (shape, emission) in area_lights {
-        if let Some(light) = AreaLight::new(emission, members[shape].clone(), geometry) {
+        let primitives = members[shape].clone();
+        if emission.along_normal {
+            lights.extend(DirectionalArea::new(emission, primitives, geometry).map(Light::DirectionalArea));
+        } else if let Some(light) = AreaLight::new(emission, primitives, geometry) {
             geometry.set_light(shape, lights.len() as u32);
             lights.push(Light::AreaLight(light));
         }

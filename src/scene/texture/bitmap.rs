@@ -21,6 +21,7 @@ use super::{TextureReader, number_of, to_uv};
 use crate::math::{Rgb, Vec2};
 use crate::scene::error::{SceneError, nearest_name};
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 
 /// An image over texture coordinates.
 #[derive(Clone, Debug)]
@@ -64,10 +65,10 @@ impl Bitmap {
         Ok(Self { raster, to_uv, wrap, nearest })
     }
 
-    /// The color at `uv`.
+    /// The color at `point`.
     #[inline]
-    pub fn color(&self, uv: Vec2) -> Rgb {
-        let place = self.to_uv.transform_point2(uv);
+    pub fn color(&self, point: &TexturePoint) -> Rgb {
+        let place = self.to_uv.transform_point2(point.uv);
         if self.nearest {
             let [column, row] = self.nearest_texel(place);
             return self.raster.texel(column, row);
@@ -86,11 +87,11 @@ impl Bitmap {
     }
 
     /// That of the bilinear surface through the texels' numbers; 0 for `nearest`.
-    pub fn gradient(&self, uv: Vec2) -> Vec2 {
+    pub fn gradient(&self, point: &TexturePoint) -> Vec2 {
         if self.nearest {
             return Vec2::ZERO;
         }
-        let place = self.to_uv.transform_point2(uv);
+        let place = self.to_uv.transform_point2(point.uv);
         let (width, height) = (self.raster.width(), self.raster.height());
         let ([left, right], x, slope_x) = self.wrap.neighbors(place.x, width);
         let ([above, below], y, slope_y) = self.wrap.neighbors(place.y, height);

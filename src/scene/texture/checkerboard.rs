@@ -13,6 +13,7 @@ use super::{Texture, TextureReader, to_uv};
 use crate::math::{Rgb, Vec2};
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 
 /// Two textures in turn.
 #[derive(Clone, Debug)]
@@ -38,23 +39,23 @@ impl Checkerboard {
         (place.x > 0.5) != (place.y > 0.5)
     }
 
-    /// The color at `uv`.
-    pub fn color(&self, uv: Vec2) -> Rgb {
-        self.colors[usize::from(self.is_second(uv))].color(uv)
+    /// The color at `point`.
+    pub fn color(&self, point: &TexturePoint) -> Rgb {
+        self.colors[usize::from(self.is_second(point.uv))].color(point)
     }
 
-    /// The number at `uv`.
-    pub fn number(&self, uv: Vec2) -> f32 {
-        self.of_number(uv).number(uv)
+    /// The number at `point`.
+    pub fn number(&self, point: &TexturePoint) -> f32 {
+        self.of_number(point).number(point)
     }
 
     /// That within the field: the steps between fields have none.
-    pub fn gradient(&self, uv: Vec2) -> Vec2 {
-        self.of_number(uv).gradient(uv)
+    pub fn gradient(&self, point: &TexturePoint) -> Vec2 {
+        self.of_number(point).gradient(point)
     }
 
-    fn of_number(&self, uv: Vec2) -> &Texture {
-        &self.colors[usize::from(self.is_second(uv) != self.swaps_numbers)]
+    fn of_number(&self, point: &TexturePoint) -> &Texture {
+        &self.colors[usize::from(self.is_second(point.uv) != self.swaps_numbers)]
     }
 
     /// Half of each.

@@ -4,6 +4,7 @@
 pub mod bitmap;
 pub mod checkerboard;
 mod image_file;
+pub mod mesh_attribute;
 pub mod raster;
 pub mod reader;
 pub mod scale;
@@ -11,12 +12,15 @@ mod to_uv;
 
 use std::sync::Arc;
 
-use super::error::{SceneError, nearest_name};
+use super::error::SceneError;
 use super::fields::Fields;
+use super::geometry::TexturePoint;
+use super::unsupported::unknown_plugin;
 use crate::math::{Rgb, Vec2, color};
 
 pub use bitmap::Bitmap;
 pub use checkerboard::Checkerboard;
+pub use mesh_attribute::{AttributeTexture, MeshAttribute};
 pub use raster::Raster;
 pub use reader::TextureReader;
 pub use scale::Scale;
@@ -29,7 +33,7 @@ type ReadTexture = fn(&mut Fields<'_>, &mut TextureReader<'_>) -> Result<Texture
 
 macro_rules! textures {
     ($($kind:ident = $name:literal),+ $(,)?) => {
-        /// A color or a number over texture coordinates.
+        /// A color or a number over a surface.
         #[derive(Clone, Debug)]
         pub enum Texture {
             /// The same everywhere.
@@ -42,24 +46,24 @@ macro_rules! textures {
             &[$(($name, |fields, textures| Ok(Texture::$kind(Arc::new($kind::read(fields, textures)?))))),+];
 
         impl Texture {
-            /// The color at `uv`; linear Rec. 709.
+            /// The color at `point`; linear Rec. 709.
             #[inline]
-            pub fn color(&self, uv: Vec2) -> Rgb {
+            pub fn color(&self, point: &TexturePoint) -> Rgb {
                 match self {
                     Self::Constant(color) => *color,
-                    $(Self::$kind(texture) => texture.color(uv)),+
+                    $(Self::$kind(texture) => texture.color(point)),+
                 }
             }
 
             /// The derivatives of [`Texture::number`] by u and v.
-            pub fn gradient(&self, uv: Vec2) -> Vec2 {
+            pub fn gradient(&self, point: &TexturePoint) -> Vec2 {
                 match self {
                     Self::Constant(_) => Vec2::ZERO,
-                    $(Self::$kind(texture) => texture.gradient(uv)),+
+                    $(Self::$kind(texture) => texture.gradient(point)),+
                 }
             }
 
-            /// The mean color over texture space.
+            /// The mean color over texture space, or over what a mesh brings along.
             pub fn mean(&self) -> Rgb {
                 match self {
                     Self::Constant(color) => *color,
@@ -81,6 +85,7 @@ macro_rules! textures {
 textures! {
     Bitmap = "bitmap",
     Checkerboard = "checkerboard",
+    AttributeTexture = "mesh_attribute",
     Scale = "scale",
 }
 
@@ -90,12 +95,12 @@ impl Texture {
         Self::Constant(Rgb::splat(value))
     }
 
-    /// The number at `uv`: the luminance of a color.
+    /// The number at `point`: the luminance of a color.
     #[inline]
-    pub fn number(&self, uv: Vec2) -> f32 {
+    pub fn number(&self, point: &TexturePoint) -> f32 {
         match self {
-            Self::Checkerboard(fields) => fields.number(uv),
-            other => number_of(other.color(uv)),
+            Self::Checkerboard(fields) => fields.number(point),
+            other => number_of(other.color(point)),
         }
     }
 
@@ -133,8 +138,7 @@ fn read_plugin(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Res
     }
     let Some((_, read)) = TEXTURES.iter().find(|(name, _)| name == plugin) else {
         let known: Vec<&str> = TEXTURES.iter().map(|(name, _)| *name).chain([CONSTANT]).collect();
-        let problem = format!("there is no texture \"{plugin}\"");
-        return Err(SceneError::new(fields.location(), problem, nearest_name(plugin, &known)));
+        return Err(unknown_plugin(fields.node(), &known));
     };
     read(fields, textures)
 }

@@ -32,6 +32,11 @@ impl std::fmt::Debug for Raster {
 }
 
 impl Raster {
+    /// An image of colors; `texels` are `width` × `height`, both at least 1.
+    pub fn of_numbers(width: usize, height: usize, texels: Vec<[f32; 3]>) -> Self {
+        Self::new(width, height, Texels::ColorFloats(texels))
+    }
+
     /// An image of `width` × `height` texels; both are at least 1 and `texels` has that many.
     pub(super) fn new(width: usize, height: usize, texels: Texels) -> Self {
         let mut raster = Self { width, height, texels, mean: Rgb::ZERO, range: [Rgb::INFINITY, Rgb::NEG_INFINITY] };

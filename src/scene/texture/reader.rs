@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Raster, Texture, image_file, number_of};
+use super::{MeshAttribute, Raster, Texture, image_file, number_of};
 use crate::math::Rgb;
 use crate::scene::bundle::Bundle;
 use crate::scene::description::{Node, PluginClass};
@@ -37,6 +37,10 @@ pub struct TextureReader<'a> {
     partials_asked: usize,
     /// Whether any material turns normals.
     normals_turned: bool,
+    /// The attributes of the shape that is being read.
+    attributes: Option<Vec<MeshAttribute>>,
+    /// How often attributes of shapes were asked for.
+    attributes_asked: usize,
 }
 
 impl<'a> TextureReader<'a> {
@@ -51,6 +55,8 @@ impl<'a> TextureReader<'a> {
             coordinates_asked: 0,
             partials_asked: 0,
             normals_turned: false,
+            attributes: None,
+            attributes_asked: 0,
         }
     }
 
@@ -83,6 +89,27 @@ impl<'a> TextureReader<'a> {
     /// Whether a material turns normals.
     pub fn turns_normals(&self) -> bool {
         self.normals_turned
+    }
+
+    /// Tells of the shape to which the next materials and textures belong, by its attributes; `None` for those of no shape.
+    pub fn set_shape(&mut self, attributes: Option<Vec<MeshAttribute>>) {
+        self.attributes = attributes;
+    }
+
+    /// Whether what is read belongs to a shape.
+    pub fn is_in_shape(&self) -> bool {
+        self.attributes.is_some()
+    }
+
+    /// The attributes of the shape; `None` where what is read belongs to no shape.
+    pub(super) fn ask_for_attributes(&mut self) -> Option<&[MeshAttribute]> {
+        self.attributes_asked += 1;
+        self.attributes.as_deref()
+    }
+
+    /// How often attributes were asked for so far: what was read in between is of one shape alone when this has grown.
+    pub fn attributes_asked(&self) -> usize {
+        self.attributes_asked
     }
 
     /// A share of light within [0, 1] (more would make energy); `default` where it was not given.
@@ -145,10 +172,13 @@ impl<'a> TextureReader<'a> {
         let texture = match self.texture_of_node.get(&address) {
             Some(texture) => texture.clone(),
             None => {
+                let asked = self.attributes_asked;
                 let mut fields = Fields::new(node);
                 let texture = super::read_plugin(&mut fields, self)?;
                 fields.finish()?;
-                self.texture_of_node.insert(address, texture.clone());
+                if self.attributes_asked == asked {
+                    self.texture_of_node.insert(address, texture.clone());
+                }
                 texture
             }
         };

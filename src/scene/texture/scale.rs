@@ -13,6 +13,7 @@ use crate::math::{Rgb, Vec2};
 use crate::scene::description::PluginClass;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
+use crate::scene::geometry::TexturePoint;
 
 /// A texture times a color.
 #[derive(Clone, Debug)]
@@ -47,15 +48,15 @@ impl Scale {
         if self.clamp { turned.clamp(Rgb::ZERO, Rgb::ONE) } else { turned }
     }
 
-    /// The scaled color at `uv`.
-    pub fn color(&self, uv: Vec2) -> Rgb {
-        self.changed(self.nested.color(uv))
+    /// The scaled color at `point`.
+    pub fn color(&self, point: &TexturePoint) -> Rgb {
+        self.changed(self.nested.color(point))
     }
 
     /// That of the scaled number; of a tinted color, the mean of its channels' slopes stands for the luminance's. Where values
     /// are held to an end of the range, it is that of the values themselves.
-    pub fn gradient(&self, uv: Vec2) -> Vec2 {
-        let slope = self.nested.gradient(uv) * number_of(self.factor);
+    pub fn gradient(&self, point: &TexturePoint) -> Vec2 {
+        let slope = self.nested.gradient(point) * number_of(self.factor);
         if self.invert { -slope } else { slope }
     }
 

@@ -4,7 +4,7 @@ use super::vertex::Vertex;
 use super::weights::Sums;
 use crate::math::{Frame, Rgb, Vec2, Vec3, octahedral};
 use crate::scene::geometry::surface::NO_INSTANCE;
-use crate::scene::geometry::{Interaction, Shape};
+use crate::scene::geometry::{Detail, Interaction, Shape};
 
 /// A packed vertex. Directions and normals are octahedral codes, 0.05 mrad off at worst.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,8 @@ pub struct StoredVertex {
     segments: u16,
     /// `Interaction::error`, rounded up to its upper 16 bits.
     error: u16,
-    /// `Interaction::partials`.
-    partials: [f32; 3],
+    /// `Interaction::detail`.
+    detail: Detail,
 }
 
 impl StoredVertex {
@@ -44,7 +44,7 @@ impl StoredVertex {
             material: hit.shape.material,
             segments: vertex.segments.min(u32::from(u16::MAX)) as u16,
             error: (hit.error.to_bits().saturating_add(0xffff) >> 16) as u16,
-            partials: hit.partials,
+            detail: hit.detail,
         }
     }
 
@@ -67,7 +67,7 @@ impl StoredVertex {
             primitive: 0,
             instance: NO_INSTANCE,
             error: f32::from_bits(u32::from(self.error) << 16),
-            partials: self.partials,
+            detail: self.detail,
         };
         let throughput = Rgb::from_array(self.throughput);
         let segments = self.segments();
