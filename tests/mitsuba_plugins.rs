@@ -41,6 +41,10 @@ const NEEDED: &[(&str, &str)] = &[
     ("srgb", "<rgb name='color' value='0.5, 0.4, 0.3'/>"),
     ("constvolume", "<float name='value' value='0.6'/>"),
     ("gridvolume", "<string name='filename' value='grid.vol'/>"),
+    ("linearcurve", "<string name='filename' value='curves.txt'/>"),
+    ("bsplinecurve", "<string name='filename' value='curves.txt'/>"),
+    ("merge", "<shape type='cube'/>"),
+    ("mesh_attribute", "<string name='name' value='vertex_color'/>"),
     ("aov", "<integrator type='path'/>"),
     ("moment", "<integrator type='path'/>"),
     ("stokes", "<integrator type='path'/>"),
@@ -50,6 +54,11 @@ const NEEDED: &[(&str, &str)] = &[
 const VALUES: &[(&str, &str, &str)] = &[
     ("area", "radiance", "<rgb name='radiance' value='3, 2, 1'/>"),
     ("constvolume", "value", "<float name='value' value='0.3'/>"),
+    ("linearcurve", "filename", "<string name='filename' value='others.txt'/>"),
+    ("bsplinecurve", "filename", "<string name='filename' value='others.txt'/>"),
+    ("mesh_attribute", "name", "<string name='name' value='vertex_heat'/>"),
+    ("mesh_attribute", "scale", "<float name='scale' value='2'/>"),
+    ("principledthin", "eta", "<float name='eta' value='1.7'/>"),
     ("gridvolume", "wrap_mode", "<string name='wrap_mode' value='repeat'/>"),
     ("gridvolume", "filename", "<string name='filename' value='other.vol'/>"),
     ("normalmap", "normalmap", ""),
@@ -75,6 +84,25 @@ const VALUES: &[(&str, &str, &str)] = &[
     ("projector", "fov_axis", "<float name='fov' value='50'/><string name='fov_axis' value='diagonal'/>"),
     ("perspective", "fov_axis", "<float name='fov' value='50'/><string name='fov_axis' value='diagonal'/>"),
     ("thinlens", "fov_axis", "<float name='fov' value='50'/><string name='fov_axis' value='diagonal'/>"),
+    ("", "complex_sun", "<boolean name='complex_sun' value='true'/>"),
+    ("", "day", "<integer name='day' value='20'/>"),
+    ("", "diff_trans", "<float name='diff_trans' value='0.5'/>"),
+    ("", "diffuse_transmittance_sampling_rate", "<float name='diffuse_transmittance_sampling_rate' value='0.5'/>"),
+    ("", "hour", "<float name='hour' value='14'/>"),
+    ("", "latitude", "<float name='latitude' value='20'/>"),
+    ("", "longitude", "<float name='longitude' value='130'/>"),
+    ("", "minute", "<float name='minute' value='30'/>"),
+    ("", "month", "<integer name='month' value='5'/>"),
+    ("", "second", "<float name='second' value='30'/>"),
+    ("", "sky_scale", "<float name='sky_scale' value='2'/>"),
+    ("", "specular_reflectance_sampling_rate", "<float name='specular_reflectance_sampling_rate' value='0.5'/>"),
+    ("", "specular_transmittance_sampling_rate", "<float name='specular_transmittance_sampling_rate' value='0.5'/>"),
+    ("", "sun_aperture", "<float name='sun_aperture' value='2'/>"),
+    ("", "sun_direction", "<vector name='sun_direction' value='0, 0.6, 0.8'/>"),
+    ("", "sun_scale", "<float name='sun_scale' value='2'/>"),
+    ("", "timezone", "<float name='timezone' value='8'/>"),
+    ("", "turbidity", "<float name='turbidity' value='5'/>"),
+    ("", "year", "<integer name='year' value='2012'/>"),
     ("", "max_value", "<float name='max_value' value='1'/>"),
     ("", "use_grid_bbox", "<boolean name='use_grid_bbox' value='true'/>"),
     ("", "accel", "<boolean name='accel' value='false'/>"),
@@ -232,6 +260,11 @@ fn outcome(class: PluginClass, title: &str, plugin: &str, given: &str) -> Result
         PluginClass::Texture if title == "Spectra" => {
             light = format!("<emitter type='constant'>{}</emitter>", node("spectrum", " name='radiance'"));
         }
+        PluginClass::Texture if plugin == "mesh_attribute" => {
+            let texture = node("texture", " name='radiance'");
+            let file = "<string name='filename' value='painted.ply'/>";
+            shape = format!("<shape type='ply'>{file}<emitter type='area'>{texture}</emitter></shape>");
+        }
         PluginClass::Texture => {
             // The power of a light shows what its texture makes of an image.
             let texture = node("texture", " name='radiance'");
@@ -240,12 +273,15 @@ fn outcome(class: PluginClass, title: &str, plugin: &str, given: &str) -> Result
         PluginClass::Emitter if plugin == "area" => {
             shape = format!("<shape type='sphere'>{}</shape>", node("emitter", ""));
         }
+        PluginClass::Emitter if plugin == "directionalarea" => {
+            shape = format!("<shape type='rectangle'>{}</shape>", node("emitter", ""));
+        }
         PluginClass::Emitter => light = node("emitter", ""),
         PluginClass::Sensor => sensor = node("sensor", "").replace("</sensor>", "FILM</sensor>"),
         PluginClass::Film => film = node("film", ""),
         PluginClass::ReconstructionFilter => film = format!("<film type='hdrfilm'>{}</film>", node("rfilter", "")),
         PluginClass::Sampler => film += &node("sampler", ""),
-        PluginClass::Shape if ["instance", "shapegroup"].contains(&plugin) => shape += &node("shape", ""),
+        PluginClass::Shape if ["instance", "merge", "shapegroup"].contains(&plugin) => shape += &node("shape", ""),
         PluginClass::Shape => {
             let pattern = "<bsdf type='diffuse'><texture name='reflectance' type='checkerboard'/></bsdf></shape>";
             shape = node("shape", "").replace("</shape>", pattern);
@@ -311,11 +347,24 @@ fn files() -> Files {
     files.insert("other.obj".to_owned(), changed("gem.obj").into());
     files.insert("other.ply".to_owned(), changed("gem.ply").into());
     files.insert("other.exr".to_owned(), read("half.exr").into());
+    files.insert("curves.txt".to_owned(), curve(0.1).into());
+    files.insert("others.txt".to_owned(), curve(0.2).into());
+    files.insert("painted.ply".to_owned(), PAINTED.as_bytes().into());
     files.insert("grid.vol".to_owned(), grid(0.4).into());
     files.insert("other.vol".to_owned(), grid(0.3).into());
     files.insert("two.serialized".to_owned(), serialized(&[1.0, 2.0]).into());
     files.insert("other.serialized".to_owned(), serialized(&[1.5]).into());
     files
+}
+
+/// A triangle with a color and a number at each vertex.
+const PAINTED: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    property float r\nproperty float g\nproperty float b\nproperty float heat_0\nelement face 1\n\
+    property list uchar int vertex_indices\nend_header\n0 0 0 1 0 0 3\n1 0 0 0 1 0 4\n0 1 0 0 0 1 5\n3 0 1 2\n";
+
+/// Control points of one curve, with radii.
+fn curve(radius: f32) -> Vec<u8> {
+    format!("0 0 0 {radius}\n0 0 1 {radius}\n0 1 1 {radius}\n0 1 2 {radius}\n").into_bytes()
 }
 
 /// Mitsuba's grids, version 3: two numbers in a box.

@@ -17,7 +17,12 @@ pub(super) const EMITTERS: Class = Class {
         ),
         Plugin::same("constant", &[same("radiance"), passed_over("to_world", "it is the same in all directions")]),
         Plugin::same("directional", &[same("irradiance direction to_world")]),
-        Plugin::refused("directionalarea"),
+        Plugin::new(
+            "directionalarea",
+            Support::Approximated,
+            "only flat shapes; every method shows its light, of which Mitsuba's `path` shows none",
+            &[same("radiance")],
+        ),
         Plugin::same(
             "envmap",
             &[
@@ -29,7 +34,14 @@ pub(super) const EMITTERS: Class = Class {
         Plugin::same("point", &[same("intensity position to_world")]),
         Plugin::same("projector", &[same("irradiance scale to_world fov fov_axis focal_length")]),
         Plugin::same("spot", &[same("intensity cutoff_angle beam_width texture to_world")]),
-        Plugin::refused("sunsky"),
+        Plugin::same(
+            "sunsky",
+            &[
+                same("turbidity albedo sun_direction sun_scale sky_scale sun_aperture to_world"),
+                same("latitude longitude timezone year month day hour minute second"),
+                refused("complex_sun", "the sun is as bright at its rim as in its middle"),
+            ],
+        ),
         Plugin::refused("timed_sunsky"),
     ],
 };

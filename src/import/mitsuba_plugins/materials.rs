@@ -43,7 +43,20 @@ pub(super) const BSDFS: Class = Class {
                 ),
             ],
         ),
-        Plugin::refused("principledthin"),
+        Plugin::same(
+            "principledthin",
+            &[
+                same("base_color roughness anisotropic spec_trans eta spec_tint sheen sheen_tint flatness diff_trans"),
+                passed_over(
+                    "diffuse_reflectance_sampling_rate specular_reflectance_sampling_rate",
+                    "they change noise alone",
+                ),
+                passed_over(
+                    "specular_transmittance_sampling_rate diffuse_transmittance_sampling_rate",
+                    "they change noise alone",
+                ),
+            ],
+        ),
         Plugin::refused("retarder"),
         Plugin::same(
             "roughconductor",

@@ -18,7 +18,7 @@ pub(super) const TEXTURES: Class = Class {
             ],
         ),
         Plugin::same("checkerboard", &[same("color0 color1 to_uv")]),
-        Plugin::refused("mesh_attribute"),
+        Plugin::new("mesh_attribute", Support::Same, "not beside a `bumpmap`", &[same("name scale")]),
         Plugin::same("rawconstant", &[same("value")]),
         Plugin::refused("volume"),
     ],
