@@ -1,4 +1,4 @@
-"""Writes values.txt: BSDF values (cosine included) of Mitsuba 3.9.1, variant scalar_rgb, for tests/agreement_materials.rs.
+"""Writes values.txt: BSDF values (cosine included) of Mitsuba 3.9.1, variant scalar_rgb, for tests/agreement/materials.rs.
 
 Mitsuba has no `ward`: its values follow from the formulas of the papers, in double precision.
 Run with: pip install mitsuba==3.9.1 numpy; python make_values.py

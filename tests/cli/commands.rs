@@ -1,0 +1,230 @@
+//! The program as its users meet it: what it prints, where, and with which exit code.
+
+#[path = "../support/command_line.rs"]
+#[expect(dead_code, reason = "failures are looked at more closely here")]
+mod command_line;
+#[path = "../support/exr_channels.rs"]
+mod exr_channels;
+
+use std::path::Path;
+use std::process::{Output, Stdio};
+
+use command_line::{ended, program, run};
+use exr_channels::exr_channels;
+use photonfarm::estimate::Picture;
+use photonfarm::estimate::picture_files::{LAYERS, PictureMetadata, encode_exr, write_file};
+
+/// A port on which nothing listens: the discard port of this machine.
+const NOBODY: &str = "http://127.0.0.1:9";
+const SCENE: &str = "tests/references/cornell-diffuse/scene.xml";
+
+fn stdout(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).into_owned()
+}
+
+/// Standard error of a run that failed with `code` and printed no result.
+fn failure(output: &Output, code: i32) -> String {
+    assert_eq!(stdout(output), "", "results only on standard output");
+    ended(output, code)
+}
+
+fn write_grey(path: &Path, grey: f32) {
+    let picture = Picture { width: 16, height: 16, radiance: vec![[grey; 3]; 256] };
+    let bytes = encode_exr(&picture, &[], &PictureMetadata::default()).expect("encodes");
+    write_file(path, &bytes).expect("writes");
+}
+
+#[test]
+fn help_tells_the_exit_codes() {
+    let output = run(&["--help"]);
+    assert!(output.status.success());
+    assert!(stdout(&output).contains("the coordinator cannot be reached"));
+}
+
+#[test]
+fn wrong_usage_is_2() {
+    failure(&run(&["render"]), 2);
+    failure(&run(&["render", "a.xml", "--set", "alpha"]), 2);
+    failure(&run(&["render", "a.xml", "--threads", "0"]), 2);
+    let stderr = failure(&run(&["render", "a.xml", "--layers", "radius,detph"]), 2);
+    assert!(LAYERS.iter().all(|row| stderr.contains(row.name)), "{stderr}");
+}
+
+#[test]
+fn methods_are_listed_with_their_parameters() {
+    let output = run(&["methods"]);
+    assert!(output.status.success());
+    assert!(stdout(&output).starts_with("sppm: ") && stdout(&output).contains("alpha"));
+    assert!(failure(&run(&["methods", "spppm"]), 3).contains("sppm"));
+}
+
+#[test]
+fn a_closed_standard_output_is_no_panic() {
+    let mut child = program(&["methods"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("starts");
+    drop(child.stdout.take());
+    let output = child.wait_with_output().expect("ends");
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
+}
+
+#[test]
+fn compare_measures_and_prints_json() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (image, reference) = (folder.path().join("image.exr"), folder.path().join("reference.exr"));
+    write_grey(&image, 1.5);
+    write_grey(&reference, 1.0);
+    let paths = [image.to_str().expect("UTF-8"), reference.to_str().expect("UTF-8")];
+    let output = run(&["compare", paths[0], paths[1], "--json"]);
+    let metrics: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(metrics["rmse"], 0.5);
+    assert_eq!(metrics["bias"], 0.5);
+    let text = stdout(&run(&["compare", paths[0], paths[1]]));
+    assert!(text.contains("mean bias         +50.000 %"), "{text}");
+}
+
+#[test]
+fn compare_tells_what_cannot_be_compared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let image = folder.path().join("image.exr");
+    write_grey(&image, 1.0);
+    let image = image.to_str().expect("UTF-8");
+    assert!(failure(&run(&["compare", image, "no-such.exr"]), 5).contains("no-such.exr"));
+    let sizes = failure(&run(&["compare", image, "tests/references/cornell-diffuse/ref.exr"]), 3);
+    assert!(sizes.contains("same size"), "{sizes}");
+    assert!(failure(&run(&["compare", image, SCENE]), 5).contains("OpenEXR"));
+}
+
+#[test]
+fn an_unwritable_output_is_told_before_rendering() {
+    let stderr = failure(&run(&["render", SCENE, "-o", "no/such/folder/a.exr"]), 5);
+    assert!(stderr.contains("no/such/folder/a.exr") && stderr.contains("create the folder"), "{stderr}");
+    assert!(failure(&run(&["render", SCENE, "-o", "a.jpg"]), 3).contains(".exr or .png"));
+}
+
+#[test]
+fn layers_become_channels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    let picture = folder.path().join("picture.exr");
+    let output = picture.to_str().expect("UTF-8");
+    let run = run(&["render", &scene, "--passes", "1", "-o", output, "--layers", "albedo,depth", "--layers", "normal"]);
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let channels = exr_channels(&std::fs::read(&picture).expect("a picture"));
+    let names: Vec<&str> = channels.keys().map(String::as_str).collect();
+    let layers = ["albedo.B", "albedo.G", "albedo.R", "depth.Z", "normal.X", "normal.Y", "normal.Z"];
+    assert_eq!(names, [["B", "G", "R"].as_slice(), layers.as_slice()].concat());
+    // The triangle stands at z = 3 in front of the camera, a grey of 0.5.
+    assert!((channels["depth.Z"][4 * 8 + 4] - 3.0).abs() < 0.1);
+    assert_eq!(channels["albedo.G"][4 * 8 + 4], 0.5);
+}
+
+#[test]
+fn a_missing_scene_is_a_file_error() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = program(&["render", "no-such-scene.xml"]).current_dir(folder.path()).output().expect("starts");
+    assert!(failure(&output, 5).contains("no-such-scene.xml"));
+    assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), 0, "no file is left behind");
+}
+
+#[test]
+fn a_malformed_scene_is_bad_input_with_its_place() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("a.xml"), "<scene version='3.0.0'>\n<sensor></scene>").expect("writes");
+    let output = program(&["render", "a.xml"]).current_dir(folder.path()).output().expect("starts");
+    let stderr = failure(&output, 3);
+    assert!(stderr.contains("a.xml:2"), "{stderr}");
+}
+
+#[test]
+fn an_absent_coordinator_is_told_with_the_remedy() {
+    for arguments in [&["jobs"][..], &["cancel", "job"], &["watch", "job"], &["submit", SCENE]] {
+        let stderr = failure(&run(&[arguments, &["--coordinator", NOBODY]].concat()), 4);
+        assert!(stderr.contains(NOBODY) && stderr.contains("photonfarm serve"), "{stderr}");
+    }
+    assert!(failure(&run(&["jobs", "--coordinator", "farm:80"]), 4).contains("http://HOST:PORT"));
+}
+
+#[test]
+fn an_id_that_leads_elsewhere_is_refused() {
+    assert!(failure(&run(&["cancel", "../workers", "--coordinator", NOBODY]), 3).contains("not a job's id"));
+}
+
+const OLD_SCENE: &str = "<scene version='0.5.0'><mode type='final'/><integrator type='sppm'/>\
+    <sensor type='perspective'><film type='hdrfilm'><integer name='width' value='8'/><integer name='height' value='8'/>\
+    <rfilter type='box'/></film></sensor><shape type='obj'><string name='filename' value='parts/a.obj'/></shape>\
+    <emitter type='constant'/></scene>";
+
+fn old_scene(folder: &Path) -> String {
+    std::fs::create_dir(folder.join("parts")).expect("creates");
+    std::fs::write(folder.join("parts/a.obj"), "v -9 -9 3\nv 9 -9 3\nv 0 9 3\nf 1 3 2\n").expect("writes");
+    std::fs::write(folder.join("old.xml"), OLD_SCENE).expect("writes");
+    folder.join("old.xml").to_string_lossy().into_owned()
+}
+
+#[test]
+fn scene_check_tells_what_a_scene_contains_and_what_was_left_out() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    let output = run(&["scene", "check", &scene]);
+    let text = stdout(&output);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    for line in
+        ["method     sppm", "picture    8 × 8 pixels", "shapes     1: 1 obj", "primitives 1", "the <mode> is ignored"]
+    {
+        assert!(text.contains(line), "{line} in {text}");
+    }
+    let document: serde_json::Value =
+        serde_json::from_slice(&run(&["scene", "check", &scene, "--json"]).stdout).expect("JSON");
+    assert_eq!(document["contents"]["shapes"]["obj"], 1);
+    assert_eq!(document["import_report"][0]["treatment"], "ignored");
+}
+
+#[test]
+fn plan_tells_what_a_scene_needs_and_who_is_fastest() {
+    let scene = "scenes/cornell-glass-mirror/scene.xml";
+    let plan = stdout(&run(&["plan", scene, "-D", "size=16"]));
+    for told in ["16 × 16", "mirrors or glass", "\nmethod ", "processor-seconds to relMSE 0.01", "sppm", "bdpt"] {
+        assert!(plan.contains(told), "no {told:?} in\n{plan}");
+    }
+    assert!(plan.lines().count() <= 10, "{plan}");
+    let json: serde_json::Value =
+        serde_json::from_slice(&run(&["plan", scene, "-D", "size=16", "--json", "--error", "0.1"]).stdout)
+            .expect("JSON");
+    let seconds: Vec<f64> = json["trials"]
+        .as_array()
+        .expect("trials")
+        .iter()
+        .map(|trial| trial["expected_seconds"].as_f64().expect("a number"))
+        .collect();
+    assert!(seconds.len() > 3 && seconds.is_sorted(), "{json}");
+    failure(&run(&["plan", scene, "--error", "0"]), 3);
+}
+
+#[test]
+fn scene_check_fails_on_what_cannot_be_rendered() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    std::fs::remove_file(folder.path().join("parts/a.obj")).expect("removes");
+    let stderr = failure(&run(&["scene", "check", &scene]), 3);
+    assert!(stderr.contains("parts/a.obj") && stderr.contains("old.xml:1"), "{stderr}");
+    assert!(failure(&run(&["scene", "check", "no-such.xml"]), 5).contains("no-such.xml"));
+}
+
+#[test]
+fn import_writes_the_native_form_and_its_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = old_scene(folder.path());
+    let target = |name: &str| folder.path().join("new").join(name).to_string_lossy().into_owned();
+    std::fs::create_dir(folder.path().join("new")).expect("creates");
+    let output = run(&["import", &scene, "-o", &target("scene.json"), "--report", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(report[0]["subject"], "the <mode>");
+    assert!(run(&["scene", "check", &target("scene.json")]).status.success());
+    assert!(run(&["import", &scene, "-o", &target("scene.zip")]).status.success());
+    assert!(run(&["scene", "check", &target("scene.zip")]).status.success());
+    // Once more changes nothing, but a file of the same name is not overwritten.
+    assert!(run(&["import", &scene, "-o", &target("scene.json")]).status.success());
+    std::fs::write(target("parts/a.obj"), "v 0 0 0\n").expect("writes");
+    assert!(failure(&run(&["import", &scene, "-o", &target("scene.json")]), 5).contains("other contents"));
+    assert!(failure(&run(&["import", &scene, "-o", "scene.xml"]), 3).contains(".json or .zip"));
+    failure(&run(&["import", &scene]), 2);
+}

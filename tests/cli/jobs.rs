@@ -1,0 +1,64 @@
+//! Jobs of a coordinator as the command line handles them.
+
+#[path = "../support/command_line.rs"]
+#[expect(dead_code, reason = "only what is printed is looked at here")]
+mod command_line;
+#[path = "../support/http_client.rs"]
+mod http_client;
+#[path = "../support/serving.rs"]
+#[expect(dead_code, reason = "nothing is killed here")]
+mod serving;
+
+use command_line::{failure, program};
+use serde_json::{Value, json};
+use serving::Coordinator;
+
+const SCENE: &str = include_str!("../references/furnace-closed/scene.xml");
+
+/// What a command that must succeed prints.
+fn printed(url: &str, arguments: &[&str]) -> String {
+    let output = program(arguments).env("PHOTONFARM_URL", url).output().expect("the program starts");
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8(output.stdout).expect("UTF-8").trim_end().to_owned()
+}
+
+fn names(url: &str, arguments: &[&str]) -> Vec<String> {
+    let jobs: Vec<Value> = serde_json::from_str(&printed(url, &[arguments, &["--json"]].concat())).expect("JSON");
+    jobs.iter().map(|job| job["name"].as_str().unwrap_or_default().to_owned()).collect()
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn jobs_are_copied_changed_found_and_deleted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let coordinator = Coordinator::start(folder.path(), 0).await;
+    let url = coordinator.url();
+    let job = json!({ "scene_inline": SCENE, "method": "sppm", "seed": 3, "name": "first", "tags": ["night"],
+        "parameters": { "photons_per_pass": 20_000 }, "stop": { "passes": 10 } });
+    let first = coordinator.submit(&job).await;
+
+    let copy = printed(&url, &["clone", &first, "--name", "second", "--passes", "20", "--set", "alpha=0.5"]);
+    let copied = coordinator.job(&copy).await;
+    let expected =
+        [("name", json!("second")), ("seed", json!(3)), ("stop", json!({ "passes": 20 })), ("tags", json!(["night"]))];
+    for (key, value) in expected {
+        assert_eq!(copied[key], value, "{key}");
+    }
+    assert_eq!(
+        (&copied["parameters"]["photons_per_pass"], &copied["parameters"]["alpha"]),
+        (&json!(20_000), &json!(0.5))
+    );
+    let other: Value =
+        serde_json::from_str(&printed(&url, &["clone", &first, "--method", "path", "--json"])).expect("JSON");
+    assert_eq!((&other["method"], &other["stop"]), (&json!("path"), &json!({ "passes": 10 })));
+
+    printed(&url, &["change", &copy, "--tag", "day"]);
+    printed(&url, &["pause", &copy]);
+    assert_eq!(names(&url, &["jobs"]), ["first", "second", "first"]);
+    assert_eq!(names(&url, &["jobs", "--tag", "night", "--limit", "1"]), ["first"]);
+    assert_eq!(names(&url, &["jobs", "--state", "paused"]), ["second"]);
+    assert_eq!(names(&url, &["jobs", "--name", "first", "--after", &first]), ["first"]);
+    failure(&["jobs", "--state", "asleep"], 2);
+
+    printed(&url, &["rm", &copy]);
+    assert_eq!(names(&url, &["jobs"]), ["first", "first"]);
+}
