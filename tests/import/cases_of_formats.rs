@@ -213,6 +213,41 @@ fn a_thin_pane_neither_shifts_nor_darkens() {
     assert!(changed > 10, "the pane covers {changed} columns");
 }
 
+/// Colors of vertices multiply the base color, of a normal-mapped material too; they are bytes with an alpha here.
+#[test]
+fn colors_of_vertices_count() {
+    use base64::Engine;
+    let texture =
+        format!("data:image/png;base64,{}", base64::prelude::BASE64_STANDARD.encode(png(2, |_, _| [255, 255, 0])));
+    for (more, right) in [(json!({}), [0.5, 0.25, 0.5]), (json!({"baseColorTexture": {"index": 0}}), [0.5, 0.25, 0.0])]
+    {
+        let mut base = json!({"baseColorFactor": [1, 0.5, 1, 1]});
+        base.as_object_mut().expect("an object").extend(more.as_object().expect("an object").clone());
+        let mut file = GltfFile::new(json!({
+            "nodes": [{"mesh": 0}, {"camera": 0, "translation": [0, 0, 4]}],
+            "cameras": [{"type": "perspective", "perspective": {"yfov": 0.3, "znear": 0.1, "aspectRatio": 1}}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "COLOR_0": 2}, "indices": 3, "material": 0}]}],
+            "materials": [{"pbrMetallicRoughness": base, "normalTexture": {"index": 0}, "extensions": {"KHR_materials_unlit": {}}}],
+            "textures": [{"source": 0}], "images": [{"uri": texture}],
+        }));
+        file.accessor("VEC3", Numbers::F32(&[-1., -1., 0., 1., -1., 0., 1., 1., 0., -1., 1., 0.]));
+        file.accessor("VEC2", Numbers::F32(&[0., 1., 1., 1., 1., 0., 0., 0.]));
+        // Red grows upwards from 0 to 1, green and blue to the right.
+        file.accessor("VEC4", Numbers::U8(&[0, 0, 0, 9, 0, 255, 255, 9, 255, 255, 255, 9, 255, 0, 0, 9]));
+        file.change_accessor(2, "normalized", json!(true));
+        file.accessor("SCALAR", Numbers::U16(&[0, 1, 2, 0, 2, 3]));
+        let changed = with_changes(file.text().as_bytes(), &wide(8)).expect("packs");
+        let scene = load_bytes("square", &changed, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let picture = Picture::of(&prepared(&scene), "path", 4);
+        let [lower, upper, left] = [picture.mean(4..8, 0..8), picture.mean(0..4, 0..8), picture.mean(0..8, 0..4)];
+        assert!(upper > 1.05 * lower && left < 0.98 * picture.whole_mean(), "{lower} {upper} {left}");
+        for (channel, value) in right.into_iter().enumerate() {
+            let mean = picture.pixels.iter().map(|pixel| pixel[channel]).sum::<f32>() / picture.pixels.len() as f32;
+            assert!((mean - value).abs() < 0.01, "{more}: channel {channel} is {mean}");
+        }
+    }
+}
+
 /// A slab of glass, 1 m thick, before an even background.
 fn slab(volume: Value) -> [f32; 3] {
     let mut file = GltfFile::new(json!({

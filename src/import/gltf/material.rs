@@ -5,12 +5,12 @@ use std::rc::Rc;
 
 use super::super::draft::Draft;
 use super::entry::Entry;
-use super::mesh::Wish;
+use super::mesh::{self, Wish};
 use super::texture::{Images, Meaning, Slot, Textures};
 use super::transmission::{Transmission, interior, thin_wall};
 use super::{Input, Output, extensions, specular_glossiness, unlit};
 use crate::scene::description::{PluginClass, Value};
-use crate::scene::error::SceneError;
+use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
 
 /// glTF's index of refraction, where a material gives none.
@@ -33,7 +33,8 @@ pub(super) struct Material {
 pub(super) struct Materials {
     /// Their bsdfs, each with its id.
     pub plugins: Vec<Draft>,
-    made: HashMap<Option<usize>, Rc<Material>>,
+    /// By the material's index, and whether vertices have colors.
+    made: HashMap<(Option<usize>, bool), Rc<Material>>,
     images: Images,
 }
 
@@ -49,11 +50,12 @@ impl Materials {
         output: &mut Output,
     ) -> Result<Rc<Material>, SceneError> {
         let reference = primitive.reference("material", "materials")?;
-        let key = reference.as_ref().map(|(index, _)| *index);
+        let colored = mesh::has_colors(primitive)?;
+        let key = (reference.as_ref().map(|(index, _)| *index), colored);
         if let Some(known) = self.made.get(&key) {
             return Ok(known.clone());
         }
-        let mut textures = Textures { input, output, images: &mut self.images, set: None };
+        let mut textures = Textures { input, output, images: &mut self.images, set: None, colored };
         let (mut bsdf, emitter, id) = match &reference {
             Some((index, entry)) if unlit::is_unlit(entry)? => {
                 extensions::report_unread(entry, textures.output)?;
@@ -65,9 +67,11 @@ impl Materials {
             }
             None => {
                 let bsdf = Draft::new(PluginClass::Bsdf, "principled", &primitive.location());
-                (Base::default().put(bsdf), None, "default_material".to_owned())
+                let base = Base::default().colored(&primitive.location(), &textures);
+                (base.put(bsdf), None, "default_material".to_owned())
             }
         };
+        let id = if colored { format!("{id}_colored") } else { id };
         bsdf.id.clone_from(&id);
         let medium = reference.as_ref().map(|(_, entry)| interior(entry)).transpose()?.flatten();
         let interior = medium.map(|medium| {
@@ -76,7 +80,7 @@ impl Materials {
             id
         });
         let has_normal_map = reference.as_ref().is_some_and(|(_, material)| material.has("normalTexture"));
-        let wish = Wish { texture_coordinates: textures.set.unwrap_or(0), tangents: has_normal_map };
+        let wish = Wish { texture_coordinates: textures.set.unwrap_or(0), tangents: has_normal_map, colors: colored };
         let made = Rc::new(Material { id, emitter, interior, wish });
         self.plugins.push(bsdf);
         self.made.insert(key, made.clone());
@@ -115,9 +119,11 @@ impl Base {
     /// On factors out of range and textures that refer to nothing.
     pub(super) fn read<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Self, SceneError> {
         if let Some(extension) = material.extension("KHR_materials_pbrSpecularGlossiness")? {
-            return specular_glossiness::read(&extension, textures);
+            return Ok(specular_glossiness::read(&extension, textures)?.colored(&material.location(), textures));
         }
-        let Some(base) = material.child("pbrMetallicRoughness")? else { return Ok(Self::default()) };
+        let Some(base) = material.child("pbrMetallicRoughness")? else {
+            return Ok(Self::default().colored(&material.location(), textures));
+        };
         let [red, green, blue, alpha] = base.numbers("baseColorFactor")?.unwrap_or([1.0; 4]);
         // The first texture decides which coordinates the material uses.
         let color_texture = textures.read(&base, "baseColorTexture", Meaning::Color)?;
@@ -126,14 +132,25 @@ impl Base {
             Ok::<Slot, SceneError>(Slot::product(texture, Value::Float(base.number_within(key, 1.0, 0.0, 1.0)?)))
         };
         let (metallic, roughness) = (factor("metallicFactor", "b")?, factor("roughnessFactor", "g")?);
-        Ok(Self {
-            color: [red, green, blue],
-            color_texture,
-            alpha,
-            alpha_texture: textures.read(&base, "baseColorTexture", Meaning::Channel("a"))?,
-            metallic,
-            roughness,
-        })
+        let alpha_texture = textures.read(&base, "baseColorTexture", Meaning::Channel("a"))?;
+        let color = [red, green, blue];
+        let base = Self { color, color_texture, alpha, alpha_texture, metallic, roughness };
+        Ok(base.colored(&material.location(), textures))
+    }
+
+    /// With the colors of vertices, where the material is that of a primitive that has some.
+    fn colored(self, location: &Location, textures: &Textures<'_, '_>) -> Self {
+        if !textures.colored {
+            return self;
+        }
+        let colors = Draft::new(PluginClass::Texture, "mesh_attribute", location).with_text("name", mesh::VERTEX_COLOR);
+        let color_texture = match self.color_texture {
+            Some(texture) => Draft::new(PluginClass::Texture, "scale", location)
+                .with_child("scale", colors)
+                .with_child("texture", texture),
+            None => colors,
+        };
+        Self { color_texture: Some(color_texture), ..self }
     }
 
     /// Gives them to a `principled` bsdf. Mitsuba squares the roughness as glTF does.

@@ -9,6 +9,7 @@ use super::entry::Entry;
 use super::{GENERATED_FOLDER, Input, Output, extensions, tangents};
 use crate::scene::error::SceneError;
 use crate::scene::geometry::TriangleMesh;
+use crate::scene::geometry::triangle_mesh::MeshValues;
 use crate::scene::notice::Notice;
 
 /// A primitive as a mesh of the bundle.
@@ -27,9 +28,13 @@ pub(super) struct MeshFile {
 #[derive(PartialEq, Eq, Hash)]
 struct Key {
     mode: usize,
-    accessors: [Option<usize>; 5],
+    accessors: [Option<usize>; 6],
     wish: Wish,
 }
+
+/// The attribute that holds the colors of vertices, and the name that textures know them by.
+const COLORS: &str = "COLOR_0";
+pub(super) const VERTEX_COLOR: &str = "vertex_color";
 
 /// What a material wants of a mesh.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
@@ -38,6 +43,8 @@ pub(super) struct Wish {
     pub texture_coordinates: usize,
     /// Whether it has a normal map, which needs tangents.
     pub tangents: bool,
+    /// Whether the vertices have colors.
+    pub colors: bool,
 }
 
 /// The meshes of all primitives so far.
@@ -86,13 +93,14 @@ impl MeshFiles {
 struct Primitive<'a> {
     entry: Entry<'a>,
     mode: usize,
-    /// Indices of the accessors of: indices, positions, normals, texture coordinates, tangents.
-    keys: [Option<usize>; 5],
+    /// Indices of the accessors of: indices, positions, normals, texture coordinates, tangents, colors.
+    keys: [Option<usize>; 6],
     indices: Option<Accessor<'a>>,
     positions: Accessor<'a>,
     normals: Option<Accessor<'a>>,
     coordinates: Option<Accessor<'a>>,
     tangents: Option<Accessor<'a>>,
+    colors: Option<Accessor<'a>>,
 }
 
 // Mode 5, between them, is the strip.
@@ -136,17 +144,22 @@ impl<'a> Primitive<'a> {
             true => open(&attributes, "TANGENT", "VEC4")?,
             false => (None, None),
         };
+        let (colors_key, colors) = match wish.colors {
+            true => open(&attributes, COLORS, color_type(&attributes)?)?,
+            false => (None, None),
+        };
         if indices.as_ref().is_some_and(|indices| !indices.holds_indices()) {
             return Err(entry.error("the indices are not whole numbers without a sign", "export the scene again"));
         }
-        for other in [&normals, &coordinates, &tangents].into_iter().flatten() {
+        for other in [&normals, &coordinates, &tangents, &colors].into_iter().flatten() {
             if other.count() != positions.count() {
                 let problem = format!("{} positions, but {} of another attribute", positions.count(), other.count());
                 return Err(attributes.error(problem, "export the scene again"));
             }
         }
-        let keys = [indices_key, positions_key, normals_key, coordinates_key, tangents_key];
-        Ok(Some(Self { entry: entry.clone(), mode, keys, indices, positions, normals, coordinates, tangents }))
+        let keys = [indices_key, positions_key, normals_key, coordinates_key, tangents_key, colors_key];
+        let entry = entry.clone();
+        Ok(Some(Self { entry, mode, keys, indices, positions, normals, coordinates, tangents, colors }))
     }
 
     /// The vertices of all triangles, in range.
@@ -196,7 +209,7 @@ impl<'a> Primitive<'a> {
             texture_coordinates: self.all(self.coordinates.as_ref(), &vertices, "TEXCOORD")?,
             tangents: self.all(self.tangents.as_ref(), &vertices, "TANGENT")?,
             triangles,
-            attributes: Vec::new(),
+            attributes: self.colors(&vertices)?.into_iter().collect(),
             face_normals: false,
         };
         // Whatever is not negative is a right hand.
@@ -207,6 +220,13 @@ impl<'a> Primitive<'a> {
             [least.min(position), most.max(position)]
         });
         Ok((mesh, bounds))
+    }
+
+    /// The colors of vertices, held to 0 to 1 as the format says; alpha does not count.
+    fn colors(&self, vertices: &[u32]) -> Result<Option<MeshValues>, SceneError> {
+        let colors: Vec<[f32; 3]> = self.all(self.colors.as_ref(), vertices, COLORS)?;
+        let numbers: Vec<f32> = colors.into_iter().flatten().map(|number| number.clamp(0.0, 1.0)).collect();
+        Ok((!numbers.is_empty()).then(|| MeshValues { name: VERTEX_COLOR.to_owned(), channels: 3, numbers }))
     }
 
     /// Elements of an attribute in single precision; none without the attribute.
@@ -230,6 +250,20 @@ impl<'a> Primitive<'a> {
         }
         Ok(elements)
     }
+}
+
+/// Whether the vertices of a primitive have colors.
+///
+/// # Errors
+/// When its attributes are no object.
+pub(super) fn has_colors(primitive: &Entry<'_>) -> Result<bool, SceneError> {
+    Ok(primitive.child("attributes")?.is_some_and(|attributes| attributes.has(COLORS)))
+}
+
+/// The type of the colors of vertices, which may have an alpha.
+fn color_type(attributes: &Entry<'_>) -> Result<&'static str, SceneError> {
+    let given = attributes.reference(COLORS, "accessors")?.map(|(_, accessor)| accessor.text("type")).transpose()?;
+    Ok(if given.flatten() == Some("VEC4") { "VEC4" } else { "VEC3" })
 }
 
 /// Tells of Draco, and refuses a primitive that is there in compressed form only. A file says that it requires Draco when
@@ -258,9 +292,9 @@ fn check_compression(entry: &Entry<'_>, output: &mut Output) -> Result<(), Scene
 
 /// Reports what a primitive has and a mesh does not hold.
 fn report_unused(entry: &Entry<'_>, attributes: &Entry<'_>, output: &mut Output) {
-    if attributes.has("COLOR_0") {
-        let explanation = "the material's own color is taken as it is";
-        output.notices.add(Notice::ignored(&entry.location(), "the vertex colors of a primitive", explanation));
+    if attributes.has("COLOR_1") {
+        let explanation = "the first ones count";
+        output.notices.add(Notice::ignored(&entry.location(), "further vertex colors of a primitive", explanation));
     }
     if entry.has("targets") {
         let explanation = "the mesh has its shape without them";

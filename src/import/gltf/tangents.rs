@@ -11,6 +11,7 @@ use std::collections::HashMap;
 use glam::{DVec2, DVec3};
 
 use crate::scene::geometry::TriangleMesh;
+use crate::scene::geometry::triangle_mesh::MeshValues;
 
 /// The bits of a position, a normal and texture coordinates.
 type Welded = ([u32; 3], [u32; 3], [u32; 2]);
@@ -29,7 +30,9 @@ pub(super) fn with_tangents(mesh: TriangleMesh) -> TriangleMesh {
         sums[groups.root(corner)] += face.weighted_tangent(corner % 3);
     }
     let flat = mesh.normals.is_empty();
-    let mut made = TriangleMesh { face_normals: mesh.face_normals, ..TriangleMesh::default() };
+    let attributes: Vec<MeshValues> =
+        mesh.attributes.iter().map(|values| MeshValues { numbers: Vec::new(), ..values.clone() }).collect();
+    let mut made = TriangleMesh { face_normals: mesh.face_normals, attributes, ..TriangleMesh::default() };
     let mut vertices: HashMap<(u32, usize), u32> = HashMap::new();
     for (face, indices) in mesh.triangles.iter().enumerate() {
         made.triangles.push([0, 1, 2].map(|side| {
@@ -43,6 +46,9 @@ pub(super) fn with_tangents(mesh: TriangleMesh) -> TriangleMesh {
                 made.normals.extend(mesh.normals.get(vertex as usize));
                 made.texture_coordinates.push(mesh.texture_coordinates[vertex as usize]);
                 made.tangents.push(tangent.extend(sign).to_array());
+                for (kept, given) in made.attributes.iter_mut().zip(&mesh.attributes) {
+                    kept.numbers.extend_from_slice(given.of(vertex as usize));
+                }
                 made.positions.len() as u32 - 1
             })
         }));

@@ -70,6 +70,8 @@ pub(super) struct Textures<'r, 'a> {
     pub images: &'r mut Images,
     /// The set of texture coordinates that the material's first texture uses.
     pub set: Option<usize>,
+    /// Whether the material is that of vertices with colors.
+    pub colored: bool,
 }
 
 impl<'a> Textures<'_, 'a> {

@@ -42,7 +42,7 @@ impl MeshValues {
     }
 
     /// The numbers of a vertex or triangle.
-    pub(super) fn of(&self, index: usize) -> &[f32] {
+    pub fn of(&self, index: usize) -> &[f32] {
         self.numbers.chunks_exact(self.channels).nth(index).unwrap_or_default()
     }
 
