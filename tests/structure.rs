@@ -34,7 +34,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("zip", &["scene", "import", "cli/scene_file.rs", "farm/store/maintenance.rs"]),
     ("sqlx", &["farm/store"]),
     ("object_store", &["farm/store"]),
-    ("exr", &["estimate/picture_files", "scene/texture"]),
+    ("exr", &["estimate/picture_files", "scene/texture", "import/pbrt/infinite.rs"]),
     ("image", &["estimate/picture_files", "scene/texture"]),
     ("plotters", &["evaluation/chart/canvas.rs"]),
     ("rayon", &["transport", "method", "render", "evaluation/run.rs", "evaluation/stopwatch.rs", "farm/worker"]),

@@ -3,7 +3,7 @@
 //! `cargo run --release --example mitsuba_tests -- ../shared/mitsuba-tests 256 path` renders every test with 256 passes of `path`,
 //! limited as its integrator says; it takes about 10 minutes of processor time. The rule: z = (mean − reference)·√(passes/variance) per pixel and channel, two-sided, at a
 //! significance of 0.01 that is corrected for the number of pixels (Šidák); a test passes when 99.75 % of the values do. Methods
-//! whose pixels are correlated are judged by the means of 8 × 8 blocks and their own standard error instead.
+//! whose pixels are correlated are judged by the means of 8 × 8 blocks and the standard error of four jobs instead.
 //!
 //! The variances of the references are estimates, up to 40 % of which are negative in a picture, so that Mitsuba itself fails many of
 //! its tests by this rule. `own_shares.json` holds what it gets (`tools/mitsuba_own_shares.py`); whoever gets as much is as right as it is.
@@ -26,10 +26,14 @@ const LEAST_VARIANCE: f64 = 1e-4;
 /// The share of values that must pass.
 const SHARE: f64 = 0.9975;
 const SIGNIFICANCE: f64 = 0.01;
-/// How far a share may be below Mitsuba's own by chance.
-const CHANCE: f64 = 0.0025;
+/// By so many standard errors a share may be below Mitsuba's own by chance.
+const ERRORS: f64 = 3.0;
 /// Side of the blocks in which methods with correlated pixels are judged, pixels.
 const BLOCK: usize = 8;
+/// Photons of a pass: the pictures are small.
+const PHOTONS: u32 = 1 << 15;
+/// Jobs of other seeds that tell the noise of such methods.
+const JOBS: u64 = 4;
 
 /// What Mitsuba gets by the rule, in percent by the name of the test.
 #[derive(serde::Deserialize)]
@@ -60,13 +64,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         let verdict = match run(test, name, passes) {
             Ok(judged) => {
                 // Blocks of pixels have a rule of their own.
-                let own = share.filter(|_| name == "path").map(|share| share / 100.0 - CHANCE);
+                let own = share.filter(|_| name == "path").map(|share| share / 100.0);
+                let own = own.map(|own| own - ERRORS * (2.0 * own * (1.0 - own) / judged.values as f64).sqrt());
                 let verdict = match judged.share {
                     share if share >= SHARE => "passes",
                     share if own.is_some_and(|own| share >= own) => "as Mitsuba",
                     _ => "differs",
                 };
-                let Judged { share, mean, expected, notices } = judged;
+                let Judged { share, mean, expected, notices, .. } = judged;
                 println!(
                     "| {label} | {verdict} | {mean:.5} | {expected:.5} | {:.2} % | {shown} | {notices} |",
                     100.0 * share
@@ -107,6 +112,8 @@ fn tests(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
 struct Judged {
     /// The share of values that pass.
     share: f64,
+    /// How many there are.
+    values: usize,
     mean: f64,
     expected: f64,
     notices: String,
@@ -122,15 +129,26 @@ fn run(test: &Path, name: &str, passes: u32) -> Result<Judged, Box<dyn Error>> {
     let (reference, variance) = (picture("")?, picture("_var")?);
     let scene = Arc::new(Scene::prepare(&load_file(test, &[])?)?);
     let integrator = scene.integrator.as_ref().map(|integrator| without_passed_over(integrator).0);
-    let choice = choice(name, &serde_json::Map::new(), integrator.as_ref());
-    let mut run = Run::start(&scene, &method::check(&choice, scene.pixel_count() as u64)?, 1)?;
-    while run.passes() < passes {
-        run.pass()?;
+    let mut parameters = serde_json::Map::new();
+    if method::entry(name)?.parameters.iter().any(|parameter| parameter.name == "photons_per_pass") {
+        parameters.insert("photons_per_pass".to_owned(), PHOTONS.into());
     }
-    let found = run.picture();
-    let share = match name {
-        "path" => share_of_pixels(&found, &reference, &variance, passes),
-        _ => share_of_blocks(&found, &reference, &variance, passes),
+    let choice = choice(name, &parameters, integrator.as_ref());
+    let checked = method::check(&choice, scene.pixel_count() as u64)?;
+    let render = |seed: u64, passes: u32| -> Result<Picture, Box<dyn Error>> {
+        let mut run = Run::start(&scene, &checked, seed)?;
+        while run.passes() < passes {
+            run.pass()?;
+        }
+        Ok(run.picture())
+    };
+    let (found, share) = if name == "path" {
+        let found = render(1, passes)?;
+        let share = share_of_pixels(&found, &reference, &variance, passes);
+        (found, share)
+    } else {
+        let jobs = (1..=JOBS).map(|seed| render(seed, passes / JOBS as u32)).collect::<Result<Vec<_>, _>>()?;
+        mean_and_share_of_blocks(&jobs, &reference)
     };
     let mean = |picture: &Picture| {
         let values = picture.radiance.iter().flatten().map(|value| f64::from(*value));
@@ -138,7 +156,8 @@ fn run(test: &Path, name: &str, passes: u32) -> Result<Judged, Box<dyn Error>> {
     };
     let notices = scene.notices.iter().filter(|notice| !notice.contains("\"moment\"")).cloned();
     let notices = notices.collect::<Vec<_>>().join("; ");
-    Ok(Judged { share, mean: mean(&found), expected: mean(&reference), notices })
+    let values = 3 * found.radiance.len();
+    Ok(Judged { share, values, mean: mean(&found), expected: mean(&reference), notices })
 }
 
 /// The largest |z| that passes.
@@ -166,29 +185,31 @@ fn share_of_pixels(found: &Picture, reference: &Picture, variance: &Picture, pas
     passing.filter(|passes| *passes).count() as f64 / (3 * found.radiance.len()) as f64
 }
 
-/// Blocks whose mean differs by no more than 3 % of it and what noise explains.
-fn share_of_blocks(found: &Picture, reference: &Picture, variance: &Picture, passes: u32) -> f64 {
-    let (width, height) = (found.width as usize, found.height as usize);
+/// The mean picture of several jobs, and the share of blocks whose mean differs from the reference's by no more than 3 % of it and five
+/// standard errors of the jobs' means.
+fn mean_and_share_of_blocks(jobs: &[Picture], reference: &Picture) -> (Picture, f64) {
+    let (width, height) = (reference.width as usize, reference.height as usize);
+    let of_block = |picture: &Picture, top: usize, left: usize| {
+        let rows = top..(top + BLOCK).min(height);
+        let pixels = rows.flat_map(|row| (left..(left + BLOCK).min(width)).map(move |column| row * width + column));
+        let values: Vec<f64> = pixels.flat_map(|pixel| picture.radiance[pixel]).map(f64::from).collect();
+        values.iter().sum::<f64>() / values.len() as f64
+    };
     let (mut all, mut passing) = (0, 0);
     for top in (0..height).step_by(BLOCK) {
         for left in (0..width).step_by(BLOCK) {
-            let (mut one, mut other, mut noise, mut count) = (0.0, 0.0, 0.0, 0.0);
-            for row in top..(top + BLOCK).min(height) {
-                for column in left..(left + BLOCK).min(width) {
-                    let pixel = row * width + column;
-                    for channel in 0..3 {
-                        one += f64::from(found.radiance[pixel][channel]);
-                        other += f64::from(reference.radiance[pixel][channel]);
-                        noise += f64::from(variance.radiance[pixel][channel]).max(LEAST_VARIANCE);
-                        count += 1.0;
-                    }
-                }
-            }
-            let noise = (noise / f64::from(passes)).sqrt() / count;
-            let difference = (one - other).abs() / count;
+            let means: Vec<f64> = jobs.iter().map(|job| of_block(job, top, left)).collect();
+            let (count, expected) = (means.len() as f64, of_block(reference, top, left));
+            let mean = means.iter().sum::<f64>() / count;
+            let squares: f64 = means.iter().map(|value| (value - mean).powi(2)).sum();
+            let noise = (squares / (count * (count - 1.0))).sqrt();
             all += 1;
-            passing += u32::from(difference <= 0.03 * other / count + 4.0 * noise);
+            passing += u32::from((mean - expected).abs() <= 0.03 * expected.abs() + 5.0 * noise);
         }
     }
-    f64::from(passing) / f64::from(all)
+    let pixel = |index: usize| {
+        [0, 1, 2].map(|channel| jobs.iter().map(|job| job.radiance[index][channel]).sum::<f32>() / jobs.len() as f32)
+    };
+    let radiance = (0..width * height).map(pixel).collect();
+    (Picture { radiance, width: reference.width, height: reference.height }, f64::from(passing) / f64::from(all))
 }

@@ -220,8 +220,11 @@ impl BidirectionalPasses {
     ) {
         let Some(seen) = to_camera(walk, &self.selection, vertex, random, counters) else { return };
         let region = pixels_of(pass.region, self.scene.width);
-        for repeat in self.scene.camera.repeats() {
-            self.scene.film.for_each_pixel(seen.film + Vec2::new(*repeat, 0.0), |pixel, filter| {
+        let film = &self.scene.film;
+        // Without a border nothing that lies beyond an edge counts within.
+        let repeats = if film.samples_border { self.scene.camera.repeats() } else { &[0.0] };
+        for repeat in repeats {
+            film.for_each_pixel(seen.film + Vec2::new(*repeat, 0.0), |pixel, filter| {
                 if region.contains(&pixel) {
                     let pixel = pixel - region.start;
                     let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));

@@ -23,19 +23,16 @@ type Feature = (&'static str, fn(&Scene) -> bool);
 const FEATURES: &[Feature] = &[
     ("a choice among lights", |scene| scene.lights.lights().len() > 1),
     ("lights without extent", |scene| scene.lights.has_points()),
-    ("light from outside", |scene| scene.lights.lights().iter().any(is_distant)),
+    ("light from outside", |scene| scene.lights.lights().iter().any(Light::is_distant)),
     ("mirrors or glass", |scene| scene.lobes().any(Lobes::SPECULAR)),
     ("narrow lobes", |scene| scene.lobes().any(Lobes::NARROW)),
     ("light through surfaces", |scene| scene.lobes().any(Lobes::TRANSMISSIVE)),
     ("texture coordinates", |scene| scene.geometry.needs_coordinates()),
     ("bump and normal maps", |scene| scene.turns_normals),
+    ("participating media", |scene| !scene.media.is_empty()),
     ("instances", |scene| scene.geometry.has_instances()),
     ("a lens", |scene| scene.camera.has_lens()),
 ];
-
-fn is_distant(light: &Light) -> bool {
-    light.is_environment() || matches!(light, Light::Directional(_))
-}
 
 impl Scene {
     /// What it contains.

@@ -168,6 +168,7 @@ impl Scene {
             outermost_medium: camera_medium,
         };
         scene.outermost_medium = scene.medium_outside();
+        scene.notices.extend(scene.notices_of_media(&sensor.location));
         Ok(scene)
     }
 
@@ -365,6 +366,7 @@ const MERGE: &str = "merge";
 fn members(merge: &Node) -> Result<Vec<&Arc<Node>>, SceneError> {
     let mut fields = Fields::new(merge);
     let members = fields.children(PluginClass::Shape);
+    fields.ignore(&[OF_DERIVATIVES]);
     fields.finish()?;
     Ok(members)
 }

@@ -214,3 +214,26 @@ fn bad_grids_are_refused() {
     refused(grid_file([1, 1, 1], 1, &[-1.0]), "heterogeneous", "reaches from -1");
     refused(good, "homogeneous", "make it \"heterogeneous\"");
 }
+
+#[test]
+fn media_that_cannot_be_followed_are_refused_and_odd_ones_told() {
+    let refused = |medium: &str, expected: &str| {
+        let text = format!("<scene version='3.0.0'>{}</scene>", cube_of(medium));
+        let description = load_bytes("a.xml", text.as_bytes(), &[]).expect("the scene loads");
+        let error = Scene::prepare(&description).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(error.contains(expected), "{error:?} does not say {expected:?}");
+    };
+    refused(&homogeneous("<float name='sigma_t' value='1e30'/><float name='scale' value='1e30'/>"), "single precision");
+    refused(&homogeneous("<float name='sigma_t' value='1e7'/>"), "above 1e6");
+    let folder = tempfile::tempdir().expect("a folder");
+    let dense = format!("<medium type='heterogeneous' id='m'>{}</medium>", grid("sigma_t", "a.vol", "nearest"));
+    let error = scene_with_grids(folder.path(), &dense, &[grid_file([1, 1, 1], 1, &[1e5])]).err().unwrap_or_default();
+    assert!(error.contains("mean free paths"), "{error}");
+    let absorbing = homogeneous("<float name='sigma_t' value='1e7'/><float name='albedo' value='0'/>");
+    let around = scene(&cube_of(&absorbing).replace("origin='0,0,5'", "origin='0,0,0.5'"));
+    assert!(
+        around.notices.iter().any(|notice| notice.contains("name the medium in the sensor")),
+        "{:?}",
+        around.notices
+    );
+}

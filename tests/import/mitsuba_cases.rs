@@ -99,17 +99,22 @@ fn mitsuba_cameras_and_hidden_lights_are_the_same_in_every_method() {
 /// In a matte sphere that emits 1 and reflects half, a camera sees 2 everywhere; the filter reaches over the seam of the picture.
 #[test]
 fn analytic_spherical_cameras_see_all_around_in_every_method() {
-    let text = "<scene version='3.0.0'><sensor type='spherical'><transform name='to_world'><translate x='0.3' y='0.2'/></transform>\
-         <film type='hdrfilm'><integer name='width' value='16'/><integer name='height' value='8'/><rfilter type='tent'/></film></sensor>\
-         <shape type='sphere'><boolean name='flip_normals' value='true'/><bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf>\
-         <emitter type='area'><rgb name='radiance' value='1'/></emitter></shape></scene>";
-    let description = load_bytes("sphere.xml", text.as_bytes(), &[]).expect("the scene loads");
-    let scene = Arc::new(Scene::prepare(&description).expect("a good scene"));
-    for method in METHODS {
-        let picture = render(&scene, method.name, 64);
-        let edges: Vec<[f64; 3]> = picture.chunks(16).flat_map(|row| [row[0], row[15]]).collect();
-        for (part, found, bound) in [("picture", mean(&picture), 0.02), ("edges", mean(&edges), 0.04)] {
-            assert!((found / 2.0 - 1.0).abs() < bound, "{}: the {part} is {found}", method.name);
+    for border in [false, true] {
+        let text = format!(
+            "<scene version='3.0.0'><sensor type='spherical'><transform name='to_world'><translate x='0.3' y='0.2'/></transform>\
+             <film type='hdrfilm'><integer name='width' value='16'/><integer name='height' value='8'/><rfilter type='tent'/>\
+             <boolean name='sample_border' value='{border}'/></film></sensor>\
+             <shape type='sphere'><boolean name='flip_normals' value='true'/><bsdf type='diffuse'><rgb name='reflectance' value='0.5'/></bsdf>\
+             <emitter type='area'><rgb name='radiance' value='1'/></emitter></shape></scene>"
+        );
+        let description = load_bytes("sphere.xml", text.as_bytes(), &[]).expect("the scene loads");
+        let scene = Arc::new(Scene::prepare(&description).expect("a good scene"));
+        for method in METHODS {
+            let picture = render(&scene, method.name, 64);
+            let edges: Vec<[f64; 3]> = picture.chunks(16).flat_map(|row| [row[0], row[15]]).collect();
+            for (part, found, bound) in [("picture", mean(&picture), 0.02), ("edges", mean(&edges), 0.04)] {
+                assert!((found / 2.0 - 1.0).abs() < bound, "{}, border {border}: the {part} is {found}", method.name);
+            }
         }
     }
 }

@@ -54,6 +54,7 @@ const NEEDED: &[(&str, &str)] = &[
 const VALUES: &[(&str, &str, &str)] = &[
     ("area", "radiance", "<rgb name='radiance' value='3, 2, 1'/>"),
     ("constvolume", "value", "<float name='value' value='0.3'/>"),
+    ("sunsky", "albedo", "<rgb name='albedo' value='0.8'/>"),
     ("linearcurve", "filename", "<string name='filename' value='others.txt'/>"),
     ("bsplinecurve", "filename", "<string name='filename' value='others.txt'/>"),
     ("mesh_attribute", "name", "<string name='name' value='vertex_heat'/>"),

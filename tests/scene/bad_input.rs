@@ -355,7 +355,7 @@ fn damaged_old_scenes_never_panic() {
     const SCENE: &str = "<scene version='0.4.0'><integrator type='irrcache'><integrator type='mlt'/></integrator>\
         <bsdf type='mixturebsdf' id='m'><string name='weights' value='0.5 0.2'/><bsdf type='coating'><bsdf type='hk'/></bsdf>\
         <bsdf type='phong'/></bsdf><texture type='gridtexture' id='g'/><bsdf type='diffuse' id='d'><ref id='g' name='reflectance'/></bsdf>\
-        <shape type='cube'><ref id='m'/><medium id='f'/></shape><shape type='hair' id='h'/><emitter type='sky'/>\
+        <shape type='cube'><ref id='m'/><medium type='homogeneous' id='f'/></shape><shape type='hair' id='h'/><emitter type='sky'/>\
         <sensor type='perspective'><animation name='toWorld'><transform time='0'><lookat origin='1,2,3' target='0,0,0'/></transform>\
         </animation><film type='ldrfilm'/></sensor><shape type='sphere'><spectrum name='x' value='400:1,500:2'/></shape></scene>";
     assert!(load_bytes("room.xml", SCENE.as_bytes(), &[]).is_ok());

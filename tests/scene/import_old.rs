@@ -187,11 +187,15 @@ fn references_follow_what_took_the_place_of_their_plugin() {
     assert_eq!(*value(&bsdf(3), "reflectance"), Value::Rgb([0.5; 3]));
     let told = notices(&scene);
     assert_eq!(told.lines().count(), 3, "{told}");
-    assert!(told.contains("a medium that is named by its material"), "{told}");
+    assert!(told.contains("a medium without \"sigmaA\""), "{told}");
 }
 
 #[test]
 fn media_have_extinction_and_albedo() {
+    let unknown = old(
+        "<shape type='cube'><medium name='interior' type='homogeneous'><string name='material' value='skin1'/></medium></shape>",
+    );
+    assert_eq!(unknown.root.children[0].node.children[0].node.plugin, "null");
     let before = old("<integrator type='bdpt'><integer name='maxDepth' value='9'/></integrator>\
          <medium type='homogeneous' id='milk'><rgb name='sigmaA' value='1, 2, 3'/><rgb name='sigmaS' value='3, 2, 0'/>\
          <phase type='hg'><float name='g' value='0.5'/></phase></medium>\

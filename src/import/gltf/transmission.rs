@@ -44,7 +44,10 @@ pub(super) fn interior(material: &Entry<'_>) -> Result<Option<Draft>, SceneError
     if color == [1.0; 3] {
         return Ok(None);
     }
-    let absorption = color.map(|share| share.max(LEAST_SHARE).recip().ln() / distance);
+    if color.iter().any(|share| *share > 1.0) {
+        return Err(volume.error("a channel of \"attenuationColor\" is above 1", "give numbers from 0 to 1"));
+    }
+    let absorption = color.map(|share| libm::log(share.max(LEAST_SHARE).recip()) / distance);
     let medium = Draft::new(PluginClass::Medium, "homogeneous", &volume.location());
     Ok(Some(medium.with_rgb("sigma_t", absorption).with_rgb("albedo", [0.0; 3])))
 }

@@ -8,8 +8,9 @@ use crate::scene::description::{Parameter, PluginClass, Value};
 use crate::scene::error::SceneError;
 
 /// A shape: without a bsdf it is black where it emits, and nothing but a border where it holds a medium.
-pub(super) fn shape(mut draft: Draft, _: &mut Translation) -> Result<Outcome, SceneError> {
-    let medium = draft.children.iter().any(|child| ["interior", "exterior"].contains(&child.name.as_str()));
+pub(super) fn shape(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
+    // Also where the medium itself is left out.
+    let medium = translation.media.contains(&draft.location.path);
     let is = |class: PluginClass| {
         draft.children.iter().any(|child| matches!(&child.target, Target::Plugin(plugin) if plugin.class == class))
     };

@@ -10,6 +10,9 @@ use crate::scene::notice::Notice;
 const MEDIA_THERE: [&str; 2] = ["bdpt", "photon_map"];
 const NO_MEDIA: [&str; 3] = ["sppm", "ppm", "vcm"];
 
+/// The slots of a shape that hold media.
+pub(super) const BORDERS: [&str; 2] = ["interior", "exterior"];
+
 /// `homogeneous`: absorption and scattering become extinction and albedo. A medium by the name of its material is passed through.
 pub(super) fn homogeneous(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
     let mut coefficient = |name: &str| {
@@ -21,6 +24,10 @@ pub(super) fn homogeneous(mut draft: Draft, translation: &mut Translation) -> Re
         })
     };
     if let (Some(absorption), Some(scattering)) = (coefficient("sigmaA"), coefficient("sigmaS")) {
+        if absorption.iter().chain(&scattering).any(|number| *number < 0.0) {
+            let problem = "\"sigmaA\" or \"sigmaS\" of the medium is below 0";
+            return Err(SceneError::new(&draft.location, problem, "give numbers of at least 0"));
+        }
         let sum = [0, 1, 2].map(|channel| absorption[channel] + scattering[channel]);
         let share = |channel: usize| if sum[channel] == 0.0 { 0.0 } else { scattering[channel] / sum[channel] };
         draft.set_default("sigma_t", Value::Rgb(sum));
@@ -31,8 +38,8 @@ pub(super) fn homogeneous(mut draft: Draft, translation: &mut Translation) -> Re
     if draft.has("sigma_t") && draft.has("albedo") {
         return Ok(Outcome::Plugin(draft));
     }
-    let subject = "a medium that is named by its material";
-    translation.ignored(&draft, subject, "measured media are not known: light passes through; give sigmaS and sigmaA");
+    let subject = "a medium without \"sigmaA\" and \"sigmaS\", or \"sigmaT\" and \"albedo\"";
+    translation.ignored(&draft, subject, "measured media are not known by their names: light passes through");
     Ok(Outcome::Nothing)
 }
 
@@ -113,7 +120,7 @@ fn holds_media(draft: &Draft) -> bool {
 fn remove_media(draft: &mut Draft) {
     draft.children.retain(|child| match &child.target {
         Target::Plugin(plugin) => plugin.class != PluginClass::Medium,
-        Target::Reference(_) => !["interior", "exterior"].contains(&child.name.as_str()),
+        Target::Reference(_) => !BORDERS.contains(&child.name.as_str()),
     });
     for child in &mut draft.children {
         if let Target::Plugin(plugin) = &mut child.target {

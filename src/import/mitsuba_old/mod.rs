@@ -64,7 +64,7 @@ pub(super) fn translate(
     obj_materials::split(&mut reading, bundle);
     let Reading { mut root, aliases, includes, notices } = reading;
     let gone = old.passed_over.into_iter().map(|id| (id, None)).collect();
-    let mut translation = Translation { version, notices, aliases, gone };
+    let mut translation = Translation { version, notices, aliases, gone, media: BTreeSet::new() };
     translation.children(&mut root)?;
     let Translation { mut notices, mut aliases, gone, .. } = translation;
     remove_references(&mut root, &gone);
@@ -82,6 +82,8 @@ struct Translation {
     aliases: Vec<Alias>,
     /// The ids of plugins that nothing, or a plain value, took the place of.
     gone: BTreeMap<String, Option<Value>>,
+    /// The paths of shapes that held a medium.
+    media: BTreeSet<String>,
 }
 
 impl Translation {
@@ -123,6 +125,9 @@ impl Translation {
             return foreign::translate(draft, self);
         };
         self.rename(&mut draft, rule);
+        if draft.children.iter().any(|child| media::BORDERS.contains(&child.name.as_str())) {
+            self.media.insert(draft.location.path.clone());
+        }
         self.children(&mut draft)?;
         let mut outcome = (rule.change)(draft, self)?;
         if let Outcome::Plugin(draft) = &mut outcome {

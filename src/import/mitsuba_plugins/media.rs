@@ -44,7 +44,7 @@ pub(super) const VOLUMES: Class = Class {
     title: "Volumes",
     parameters: &[],
     plugins: &[
-        Plugin::same("constvolume", &[same("value"), refused("to_world", "leave it out: it is the same everywhere")]),
+        Plugin::same("constvolume", &[same("value"), passed_over("to_world", "it is the same everywhere")]),
         Plugin::same(
             "gridvolume",
             &[

@@ -168,8 +168,10 @@ fn orthographic(
 
 /// A camera that sees all around: longitudes begin at +x there, behind here.
 fn spherical(parameters: &Parameters, to_world: DMat4) -> Result<Draft, SceneError> {
-    if parameters.text("mapping")?.unwrap_or("equalarea") != "equirectangular" {
-        let problem = "the spherical camera has the mapping \"equalarea\", which is its default";
+    let mapping = parameters.text("mapping")?.unwrap_or("equalarea");
+    if mapping != "equirectangular" {
+        let problem =
+            format!("the spherical camera has the mapping {}; \"equalarea\" is pbrt's default", shown(mapping));
         return Err(SceneError::new(&parameters.place, problem, "give it \"string mapping\" \"equirectangular\""));
     }
     parameters.pass_over(&["lensradius", "focaldistance"]);

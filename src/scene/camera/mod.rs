@@ -316,7 +316,7 @@ impl Camera {
         }
         let direction = between / distance;
         let [left, up, forward] = self.axes.map(|axis| direction.dot(axis));
-        let angles = Vec2::new(libm::atan2f(left, forward), libm::atan2f(up, left.hypot(forward)));
+        let angles = Vec2::new(libm::atan2f(left, forward), libm::atan2f(up, libm::hypotf(left, forward)));
         Some(SeenByCamera {
             film: Vec2::splat(0.5) - angles / (2.0 * self.half_extent),
             direction: -direction,

@@ -181,6 +181,11 @@ impl EmittedPhoton {
 }
 
 impl Light {
+    /// Whether its light comes from outside of the scene.
+    pub fn is_distant(&self) -> bool {
+        self.is_environment() || matches!(self, Self::Directional(_))
+    }
+
     /// Radiance that leaves a hit of this light's surface back along the path.
     #[inline]
     pub fn emitted(&self, hit: &Interaction) -> Rgb {

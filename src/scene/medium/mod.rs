@@ -86,6 +86,7 @@ pub(super) fn read(node: &Node, bundle: &Bundle) -> Result<Medium, SceneError> {
     let phase = fields.child(PluginClass::Phase).map_or(Ok(Phase::Isotropic), |node| phase::read(node))?;
     fields.finish()?;
     let scale = scale as f32;
+    check_extinction(node, extinction.largest() * scale, extinction.size(), albedo.largest() > 0.0)?;
     let kind = match (extinction.constant(), albedo.constant()) {
         (Some(extinction), Some(albedo)) => Kind::Homogeneous(Homogeneous::new(extinction * scale, albedo)),
         _ if varies => Kind::Heterogeneous(Box::new(Heterogeneous::new(extinction, albedo, scale))),
@@ -95,6 +96,30 @@ pub(super) fn read(node: &Node, bundle: &Bundle) -> Result<Medium, SceneError> {
         }
     };
     Ok(Medium { kind, phase })
+}
+
+/// The densest medium that scatters, m⁻¹: single precision cannot follow shorter flights.
+const DENSEST: f32 = 1e6;
+/// The most mean free paths across a grid: each is a collision to look at.
+const MOST_FREE_PATHS: f32 = 1e4;
+
+/// Refuses extinctions, at most `largest`, m⁻¹, that flights cannot be sampled for; a grid's `size` is in m.
+fn check_extinction(node: &Node, largest: f32, size: Option<f32>, scatters: bool) -> Result<(), SceneError> {
+    let refused = |problem: String| {
+        Err(SceneError::new(&node.location, problem, "give a smaller \"sigma_t\" or \"scale\"; both are in m⁻¹"))
+    };
+    if !largest.is_finite() {
+        return refused("the extinction of the medium does not fit into single precision".to_owned());
+    }
+    if scatters && largest > DENSEST {
+        return refused(format!("the medium scatters with an extinction of {largest:e} m⁻¹, above {DENSEST:e}"));
+    }
+    match size.map(|size| size * largest).filter(|paths| *paths > MOST_FREE_PATHS) {
+        Some(paths) => refused(format!(
+            "the grid is {paths:e} mean free paths wide where it is densest, above {MOST_FREE_PATHS:e}"
+        )),
+        None => Ok(()),
+    }
 }
 
 impl Medium {

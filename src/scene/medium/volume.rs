@@ -81,6 +81,8 @@ pub(super) fn read(
             "constvolume" => {
                 let mut inside = Fields::new(node);
                 let value = inside.rgb("value")?.unwrap_or([1.0; 3]);
+                // It is the same everywhere.
+                inside.ignore(&["to_world"]);
                 inside.finish()?;
                 constant(value)
             }
@@ -235,6 +237,14 @@ impl Volume {
             reach = [reach[0].max(bounds[0].min(bounds[1])), reach[1].min(bounds[0].max(bounds[1]))];
         }
         reach
+    }
+
+    /// How far it is across, m, if it ends somewhere.
+    pub(super) fn size(&self) -> Option<f32> {
+        match self {
+            Self::Constant(_) => None,
+            Self::Grid(grid) => Some(grid.to_cube.inverse().transform_vector3(Vec3::ONE).length()),
+        }
     }
 
     /// The one color that it has everywhere.

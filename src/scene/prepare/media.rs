@@ -9,6 +9,7 @@ use crate::scene::error::{Location, SceneError};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::surface::NO_BOUNDARY;
 use crate::scene::geometry::{Interaction, Ray};
+use crate::scene::light::Light;
 use crate::scene::medium::{self, Medium, MediumIndex};
 use crate::scene::notice::Notice;
 
@@ -39,6 +40,24 @@ impl Scene {
     pub fn medium_along(&self, ray: &Ray) -> MediumIndex {
         let before = |hit: &Interaction| self.media_at(hit).map(|_| self.medium_beyond(hit, hit.outgoing, None));
         self.surfaces_along(*ray).find_map(|hit| before(&hit)).unwrap_or(self.outermost_medium)
+    }
+
+    /// What of the media is likely to be a mistake.
+    pub(super) fn notices_of_media(&self, sensor: &Location) -> Option<String> {
+        if self.media.is_empty() {
+            return None;
+        }
+        let around = self.medium_along(&self.camera.ray(Vec2::splat(0.5), [0.5; 2]));
+        let (subject, explanation) = if around.is_some() && self.camera_medium.is_none() {
+            let explanation =
+                "the camera sees as if it stood outside, and methods differ: name the medium in the sensor, too";
+            ("the medium around the camera", explanation)
+        } else if self.outermost_medium.is_some() && self.lights.lights().iter().any(Light::is_distant) {
+            ("light from outside", "it does not get through the medium, which has no end: enclose it in a shape")
+        } else {
+            return None;
+        };
+        Some(Notice::ignored(sensor, subject, explanation).to_string())
     }
 
     /// The medium beyond all surfaces, which the one that the camera stands in tells.
