@@ -196,6 +196,19 @@ fn grids_of_one_number_agree_with_homogeneous_media() {
     assert_near("a grid", render(&varying, "path", 1024), render(&even, "path", 1024), 0.02);
 }
 
+/// As in Mitsuba 3.9.1 a heterogeneous medium of one extinction fills the unit cube: a quarter of the picture sees 1 m of it.
+#[test]
+fn analytic_heterogeneous_media_end_at_their_box() {
+    let whole = |sigma: f64| 0.75 + 0.25 * f64::exp(-sigma);
+    let plain = "<rgb name='sigma_t' value='0.5, 1, 2'/>".to_owned();
+    let halved = "<volume type='constvolume' name='sigma_t'><rgb name='value' value='1, 2, 4'/><transform name='to_world'>\
+         <scale z='0.5'/></transform></volume>";
+    for extinction in [plain.as_str(), halved] {
+        let medium = format!("<medium type='heterogeneous' id='m'>{extinction}<rgb name='albedo' value='0'/></medium>");
+        assert_near(extinction, render(&scene(&cube_of(&medium)), "path", 1024), [0.5, 1.0, 2.0].map(whole), 0.01);
+    }
+}
+
 #[test]
 fn bad_grids_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");

@@ -206,7 +206,7 @@ fn media_have_extinction_and_albedo() {
     let after = new("<integrator type='volpath'><integer name='max_depth' value='9'/></integrator>\
          <medium type='homogeneous' id='milk'><rgb name='sigma_t' value='4, 4, 3'/><rgb name='albedo' value='.75, .5, 0'/>\
          <phase type='hg'><float name='g' value='0.5'/></phase></medium>\
-         <medium type='heterogeneous' id='smoke'>\
+         <medium type='homogeneous' id='smoke'>\
          <volume type='constvolume' name='sigma_t'><float name='value' value='2'/></volume>\
          <volume type='constvolume' name='albedo'><rgb name='value' value='.5,.6,.7'/></volume></medium>\
          <shape type='cube'><ref name='interior' id='milk'/><bsdf type='null'/></shape>\

@@ -1,6 +1,6 @@
 //! Participating media of Mitsuba 0.6.
 
-use super::super::draft::{Draft, Target};
+use super::super::draft::{Draft, DraftChild, Target};
 use super::{Outcome, Translation};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::SceneError;
@@ -49,6 +49,15 @@ pub(super) fn heterogeneous(mut draft: Draft, translation: &mut Translation) -> 
     draft.take("method");
     for child in draft.children.iter_mut().filter(|child| child.name == "density") {
         "sigma_t".clone_into(&mut child.name);
+    }
+    let is_constant = |child: &DraftChild| {
+        child.name == "sigma_t" && matches!(&child.target, Target::Plugin(plugin) if plugin.plugin == "constvolume")
+    };
+    if draft.children.iter().any(is_constant) {
+        // Mitsuba 3 ends it at the unit cube.
+        "homogeneous".clone_into(&mut draft.plugin);
+        draft.id.clear();
+        return Ok(Outcome::Instead(Target::Plugin(draft)));
     }
     if let Some(index) = draft.children.iter().position(|child| child.name == "orientation") {
         let child = draft.children.remove(index);

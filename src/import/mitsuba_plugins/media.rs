@@ -44,7 +44,10 @@ pub(super) const VOLUMES: Class = Class {
     title: "Volumes",
     parameters: &[],
     plugins: &[
-        Plugin::same("constvolume", &[same("value"), passed_over("to_world", "it is the same everywhere")]),
+        Plugin::same(
+            "constvolume",
+            &[same("value"), passed_over("to_world", "but for `sigma_t` of `heterogeneous`, whose box it places")],
+        ),
         Plugin::same(
             "gridvolume",
             &[

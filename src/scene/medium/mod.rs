@@ -7,7 +7,8 @@
 //! | `scale` | factor on the extinction | –, at least 0 | 1 |
 //! | a nested `phase` | where light is scattered to: `isotropic`, `hg` (`g`, -1 to 1, 0.8), `rayleigh` | – | `isotropic` |
 //!
-//! Colors may also be volumes; only `heterogeneous` media take grids.
+//! Colors may also be volumes; only `heterogeneous` media take grids, and they end where the box of their `sigma_t` does: the unit cube
+//! under its `to_world`, also of a constant one.
 
 mod heterogeneous;
 mod homogeneous;
@@ -75,7 +76,11 @@ pub(super) fn read(node: &Node, bundle: &Bundle) -> Result<Medium, SceneError> {
         }
     };
     let mut fields = Fields::new(node);
-    let extinction = volume::read(&mut fields, "sigma_t", 1.0, f64::INFINITY, bundle)?;
+    let box_of_extinction = fields.named_child(PluginClass::Volume, "sigma_t").map(|node| &**node);
+    let mut extinction = volume::read(&mut fields, "sigma_t", 1.0, f64::INFINITY, bundle)?;
+    if varies {
+        extinction = volume::boxed(extinction, box_of_extinction)?;
+    }
     let albedo = volume::read(&mut fields, "albedo", 0.75, 1.0, bundle)?;
     let scale = fields.float("scale")?.unwrap_or(1.0);
     if scale < 0.0 {
@@ -88,7 +93,7 @@ pub(super) fn read(node: &Node, bundle: &Bundle) -> Result<Medium, SceneError> {
     let scale = scale as f32;
     check_extinction(node, extinction.largest() * scale, extinction.size(), albedo.largest() > 0.0)?;
     let kind = match (extinction.constant(), albedo.constant()) {
-        (Some(extinction), Some(albedo)) => Kind::Homogeneous(Homogeneous::new(extinction * scale, albedo)),
+        (Some(extinction), Some(albedo)) if !varies => Kind::Homogeneous(Homogeneous::new(extinction * scale, albedo)),
         _ if varies => Kind::Heterogeneous(Box::new(Heterogeneous::new(extinction, albedo, scale))),
         _ => {
             let problem = "medium \"homogeneous\" has a grid, which varies";

@@ -81,7 +81,7 @@ pub(super) fn read(
             "constvolume" => {
                 let mut inside = Fields::new(node);
                 let value = inside.rgb("value")?.unwrap_or([1.0; 3]);
-                // It is the same everywhere.
+                // It is the same everywhere; [`boxed`] reads it where it counts.
                 inside.ignore(&["to_world"]);
                 inside.finish()?;
                 constant(value)
@@ -107,6 +107,16 @@ pub(super) fn read(
         || fields.error(name, problem.clone(), remedy.clone()),
         |node| SceneError::new(&node.location, &problem, &remedy),
     ))
+}
+
+/// A constant volume as Mitsuba's `heterogeneous` takes its extinction: within the unit cube under the volume's `to_world`, and nothing
+/// beyond. Others stay as they are.
+pub(super) fn boxed(volume: Volume, node: Option<&Node>) -> Result<Volume, SceneError> {
+    let Volume::Constant(color) = volume else { return Ok(volume) };
+    let to_world = node.map_or(Ok(DMat4::IDENTITY), |node| Fields::new(node).transform("to_world"))?;
+    let to_cube = glam::Affine3A::from_mat4(to_world.inverse().as_mat4());
+    let (values, largest) = (Arc::from([color]), color.max_element());
+    Ok(Volume::Grid(Grid { size: [1; 3], values, largest, to_cube, filter: Filter::Nearest, wrap: Wrap::Clamp }))
 }
 
 fn constant(rgb: [f64; 3]) -> Volume {
