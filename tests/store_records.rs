@@ -437,7 +437,7 @@ async fn who_does_not_lead_any_more_cannot_write() {
 async fn stores_open_after_an_opening_that_was_given_up() {
     let folder = tempfile::tempdir().expect("a folder");
     for attempt in 0..80 {
-        let location = StoreLocation::folder(&folder.path().join(attempt.to_string()));
+        let location = StoreLocation::folder(folder.path().join(attempt.to_string()));
         let patience = std::time::Duration::from_micros(250 * attempt);
         drop(tokio::time::timeout(patience, Store::open(&location)).await);
         drop(open(&location).await);

@@ -4,9 +4,7 @@
 #[path = "../support/gltf_file.rs"]
 #[expect(dead_code, reason = "not every kind of accessor is used")]
 mod gltf_file;
-#[path = "../support/progressive.rs"]
-#[expect(dead_code, reason = "the scenes are written down here")]
-mod progressive;
+use crate::progressive;
 
 use std::fmt::Write as _;
 use std::sync::Arc;

@@ -1,5 +1,10 @@
 //! Methods, materials, formats and references agree with each other within what noise explains.
 
+#[path = "../support/progressive.rs"]
+mod progressive;
+#[path = "../support/scene_text.rs"]
+mod scene_text;
+
 mod formats;
 mod materials;
 mod methods;

@@ -2,8 +2,7 @@
 //!
 //! `material_values/make_values.py` wrote the values, in single precision as Mitsuba computes, hence the tolerance.
 
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::scene_text;
 
 use photonfarm::math::{Rgb, Vec2, Vec3};
 use photonfarm::scene::material::{Material, TransportMode, View};

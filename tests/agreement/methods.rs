@@ -1,7 +1,6 @@
 //! Methods that make paths from two ends, against closed forms, against each other, and against references.
 
-#[path = "../support/progressive.rs"]
-mod progressive;
+use crate::progressive;
 #[path = "../support/scene_files.rs"]
 mod scene_files;
 

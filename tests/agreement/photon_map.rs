@@ -1,10 +1,8 @@
 //! `photon_map`: its building blocks against their definitions, and the whole against closed forms, other estimates of the
 //! same light and converged pictures.
 
-#[path = "../support/progressive.rs"]
-mod progressive;
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::progressive;
+use crate::scene_text;
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,9 +1,7 @@
 //! The progressive methods against converged pictures by another renderer, and against themselves: regions, path limits.
 
-#[path = "../support/progressive.rs"]
-mod progressive;
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::progressive;
+use crate::scene_text;
 
 use std::sync::Arc;
 

@@ -1,8 +1,6 @@
 //! `directionalarea` against its closed form in every method, and `merge`, whose shapes stay what they are.
 
-#[path = "../support/scene_files.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod scene_files;
+use crate::scene_files;
 
 use std::f32::consts::PI;
 use std::sync::Arc;

@@ -1,7 +1,6 @@
 //! Crop windows show a part of the whole film; filters spread camera paths as they weigh.
 
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::scene_text;
 
 use photonfarm::math::Vec2;
 use photonfarm::scene::{Scene, SceneError};

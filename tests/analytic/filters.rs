@@ -5,8 +5,7 @@
 #[path = "../support/progressive.rs"]
 #[expect(dead_code, reason = "the scenes are written down here")]
 mod progressive;
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::scene_text;
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,7 +1,6 @@
 //! What pixels see first, where formulas say it: a ball in front of a rectangle.
 
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::scene_text;
 
 use photonfarm::math::{Rgb, Vec3};
 use photonfarm::render::first_surface::{FirstSurface, NOTHING_SEEN, first_surface_layers};

@@ -1,8 +1,7 @@
 //! Intersection: closed surfaces are tight, the accelerator agrees with a search through all primitives, scale does not
 //! matter, every shape agrees with its formula, and sampled points lie on their shape.
 
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::scene_text;
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

@@ -1,10 +1,8 @@
 //! Instances: hit by hit the same as the shapes of their group moved where the instance stands, tight, with error bounds
 //! that keep rays from meeting the surface that they leave, and small.
 
-#[path = "../support/scene_text.rs"]
-mod scene_text;
-#[path = "../support/shape_text.rs"]
-mod shape_text;
+use crate::scene_text;
+use crate::shape_text;
 
 use std::fmt::Write as _;
 

@@ -1,5 +1,12 @@
 //! What is computed is what closed forms say.
 
+#[path = "../support/scene_files.rs"]
+mod scene_files;
+#[path = "../support/scene_text.rs"]
+mod scene_text;
+#[path = "../support/shape_text.rs"]
+mod shape_text;
+
 mod directional_area_lights;
 mod film;
 mod filters;

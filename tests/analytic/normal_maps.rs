@@ -1,7 +1,6 @@
 //! Normal maps and bump maps against closed forms, and what cannot have one.
 
-#[path = "../support/scene_files.rs"]
-mod scene_files;
+use crate::scene_files;
 
 use photonfarm::math::Vec3;
 use photonfarm::scene::geometry::Ray;

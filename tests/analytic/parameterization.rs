@@ -1,8 +1,7 @@
 //! Texture coordinates and their partial derivatives: closed forms on every shape in Mitsuba's conventions, derivatives
 //! against finite differences, and frames along ∂p/∂u.
 
-#[path = "../support/shape_text.rs"]
-mod shape_text;
+use crate::shape_text;
 
 use std::f32::consts::{PI, TAU};
 

@@ -6,9 +6,7 @@
 #[path = "../support/chi_square.rs"]
 #[expect(dead_code, reason = "other tests use the rest")]
 mod chi_square;
-#[path = "../support/scene_files.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod scene_files;
+use crate::scene_files;
 
 use std::sync::Arc;
 

@@ -4,10 +4,8 @@
 //! With the other tests of sampling the χ² tests fail by chance with probability 10⁻³ (Šidák's correction), the others at four
 //! standard errors (6·10⁻⁵ each); seeds are fixed.
 
-#[path = "../support/chi_square.rs"]
-mod chi_square;
-#[path = "../support/scene_files.rs"]
-mod scene_files;
+use crate::chi_square;
+use crate::scene_files;
 
 use std::f64::consts::PI;
 

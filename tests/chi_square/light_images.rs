@@ -2,11 +2,8 @@
 //!
 //! With the other tests of sampling they fail by chance with probability 10⁻³ (Šidák's correction); seeds are fixed.
 
-#[path = "../support/chi_square.rs"]
-#[expect(dead_code, reason = "directions are all that is tested")]
-mod chi_square;
-#[path = "../support/scene_files.rs"]
-mod scene_files;
+use crate::chi_square;
+use crate::scene_files;
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,6 @@
 //! Luminaires with measured intensities: photons follow the file's distribution, direct light its values.
 
-#[path = "../support/chi_square.rs"]
-mod chi_square;
+use crate::chi_square;
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;

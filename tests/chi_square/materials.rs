@@ -1,11 +1,8 @@
 //! What every material must obey: sampling follows its density (χ²), weights are f·|cos|/pdf, no energy is made, light
 //! travels both ways alike, lobes add up, photons and camera paths see the same surface.
 
-#[path = "../support/chi_square.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod chi_square;
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::chi_square;
+use crate::scene_text;
 
 use chi_square::{assert_directions, numbers};
 use photonfarm::math::{Frame, Rgb, Vec2, Vec3, warp};

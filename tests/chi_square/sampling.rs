@@ -2,10 +2,8 @@
 //!
 //! All of them together fail by chance with probability 10⁻³ (Šidák's correction); seeds are fixed.
 
-#[path = "../support/chi_square.rs"]
-mod chi_square;
-#[path = "../support/scene_text.rs"]
-mod scene_text;
+use crate::chi_square;
+use crate::scene_text;
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,6 @@
 //! Users, tokens and encryption as people use them: by the command line alone.
 
-#[path = "../support/command_line.rs"]
-mod command_line;
+use crate::command_line;
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;

@@ -1,10 +1,7 @@
 //! The program as its users meet it: what it prints, where, and with which exit code.
 
-#[path = "../support/command_line.rs"]
-#[expect(dead_code, reason = "failures are looked at more closely here")]
-mod command_line;
-#[path = "../support/exr_channels.rs"]
-mod exr_channels;
+use crate::command_line;
+use crate::exr_channels;
 
 use std::path::Path;
 use std::process::{Output, Stdio};

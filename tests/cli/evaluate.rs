@@ -1,7 +1,6 @@
 //! `evaluate` and `chart` as their users meet them.
 
-#[path = "../support/command_line.rs"]
-mod command_line;
+use crate::command_line;
 #[path = "../support/result_records.rs"]
 mod result_records;
 

@@ -1,8 +1,6 @@
 //! Jobs of a coordinator as the command line handles them.
 
-#[path = "../support/command_line.rs"]
-#[expect(dead_code, reason = "only what is printed is looked at here")]
-mod command_line;
+use crate::command_line;
 #[path = "../support/http_client.rs"]
 mod http_client;
 #[path = "../support/serving.rs"]

@@ -1,5 +1,10 @@
 //! The command line, as users and scripts meet it.
 
+#[path = "../support/command_line.rs"]
+mod command_line;
+#[path = "../support/exr_channels.rs"]
+mod exr_channels;
+
 mod access;
 mod commands;
 mod evaluate;

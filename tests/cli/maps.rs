@@ -1,9 +1,7 @@
 //! False-color maps, weight maps and time shares, as users of the command line meet them.
 
-#[path = "../support/command_line.rs"]
-mod command_line;
-#[path = "../support/exr_channels.rs"]
-mod exr_channels;
+use crate::command_line;
+use crate::exr_channels;
 
 use std::collections::BTreeMap;
 use std::path::Path;

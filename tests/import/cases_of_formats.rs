@@ -1,8 +1,6 @@
 //! Small files of other programs, each with the right value that it once missed. They stand for kinds; `tests/cases` has them.
 
-#[path = "../support/gltf_file.rs"]
-#[expect(dead_code, reason = "not every kind of accessor is used")]
-mod gltf_file;
+use crate::gltf_file;
 #[path = "../support/progressive.rs"]
 #[expect(dead_code, reason = "the scenes are files")]
 mod progressive;

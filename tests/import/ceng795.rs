@@ -1,8 +1,6 @@
 //! Scenes of METU's CENG 795 come out as the cameras, lights, materials and shapes that they mean.
 
-#[path = "../support/chi_square.rs"]
-#[expect(dead_code, reason = "only its numbers are used")]
-mod chi_square;
+use crate::chi_square;
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;

@@ -1,7 +1,6 @@
 //! glTF and GLB files come out as the tree they mean, and bad ones as errors with their place.
 
-#[path = "../support/gltf_file.rs"]
-mod gltf_file;
+use crate::gltf_file;
 
 use std::fs;
 

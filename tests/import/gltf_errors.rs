@@ -1,8 +1,6 @@
 //! What users read when a glTF or GLB file is malformed, truncated or hostile; and that no damage makes the import panic.
 
-#[path = "../support/gltf_file.rs"]
-#[allow(dead_code, reason = "the tests of good files use more of it")]
-mod gltf_file;
+use crate::gltf_file;
 
 use std::fmt::Write as _;
 

@@ -1,5 +1,11 @@
 //! Files of other programs become the scenes that they mean.
 
+#[path = "../support/chi_square.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod chi_square;
+#[path = "../support/gltf_file.rs"]
+mod gltf_file;
+
 mod cases_of_formats;
 mod ceng795;
 mod gltf;
@@ -7,5 +13,5 @@ mod gltf_errors;
 mod mgf;
 mod mitsuba_cases;
 mod mitsuba_plugins;
-mod mitsuba_scenes;
 mod pbrt;
+mod small_scenes;

@@ -1,8 +1,6 @@
 //! Scenes in the Materials and Geometry Format come out as the surfaces, materials and lights that they mean.
 
-#[path = "../support/chi_square.rs"]
-#[expect(dead_code, reason = "only its numbers are used")]
-mod chi_square;
+use crate::chi_square;
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;

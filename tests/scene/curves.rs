@@ -1,8 +1,6 @@
 //! `linearcurve` and `bsplinecurve` against Mitsuba's pictures of them, and curve files that cannot be read.
 
-#[path = "../support/scene_files.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod scene_files;
+use crate::scene_files;
 
 use std::sync::Arc;
 

@@ -1,8 +1,7 @@
 //! Scenes of Mitsuba 0.6 and before come out as the tree that their counterparts for Mitsuba 3 mean, and whatever has no
 //! counterpart is told.
 
-#[path = "../support/description_tree.rs"]
-mod description_tree;
+use crate::description_tree;
 
 use description_tree::tree;
 use photonfarm::import::load_bytes;

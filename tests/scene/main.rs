@@ -1,5 +1,10 @@
 //! Scenes: what is read, what is refused, and why.
 
+#[path = "../support/description_tree.rs"]
+mod description_tree;
+#[path = "../support/scene_files.rs"]
+mod scene_files;
+
 mod bad_input;
 mod curves;
 mod errors;

@@ -1,8 +1,6 @@
 //! `mesh_attribute`: what PLY files say of vertices and faces, through `Scene::prepare` and in pictures.
 
-#[path = "../support/scene_files.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod scene_files;
+use crate::scene_files;
 
 use std::sync::Arc;
 

@@ -1,7 +1,6 @@
 //! A scene in the native form means what the scene itself means, to the last bit.
 
-#[path = "../support/description_tree.rs"]
-mod description_tree;
+use crate::description_tree;
 #[path = "../support/progressive.rs"]
 mod progressive;
 

@@ -1,8 +1,7 @@
 //! Textures through `Scene::prepare`: every file format at known texture coordinates, filters, wraps and transforms, and
 //! what users read when a texture cannot be.
 
-#[path = "../support/scene_files.rs"]
-mod scene_files;
+use crate::scene_files;
 
 use std::f32::consts::PI;
 use std::io::Cursor;
