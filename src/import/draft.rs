@@ -74,6 +74,14 @@ impl Draft {
     }
 }
 
+/// Extinction and albedo of a medium from its absorption and scattering, for formats that give those; nothing scatters where nothing is.
+pub(super) fn extinction_and_albedo(absorption: [f64; 3], scattering: [f64; 3]) -> [[f64; 3]; 2] {
+    let extinction = [0, 1, 2].map(|channel| absorption[channel] + scattering[channel]);
+    let share =
+        |channel: usize| if extinction[channel] == 0.0 { 0.0 } else { scattering[channel] / extinction[channel] };
+    [extinction, [0, 1, 2].map(share)]
+}
+
 /// Defaults of Mitsuba 3 that other formats do not share.
 impl Draft {
     /// Writes out what other formats mean where Mitsuba 3 has a default of its own: films without a filter have a box, which is

@@ -1,6 +1,6 @@
 //! Participating media of Mitsuba 0.6.
 
-use super::super::draft::{Draft, DraftChild, Target};
+use super::super::draft::{Draft, DraftChild, Target, extinction_and_albedo};
 use super::{Outcome, Translation};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::SceneError;
@@ -28,10 +28,9 @@ pub(super) fn homogeneous(mut draft: Draft, translation: &mut Translation) -> Re
             let problem = "\"sigmaA\" or \"sigmaS\" of the medium is below 0";
             return Err(SceneError::new(&draft.location, problem, "give numbers of at least 0"));
         }
-        let sum = [0, 1, 2].map(|channel| absorption[channel] + scattering[channel]);
-        let share = |channel: usize| if sum[channel] == 0.0 { 0.0 } else { scattering[channel] / sum[channel] };
-        draft.set_default("sigma_t", Value::Rgb(sum));
-        draft.set_default("albedo", Value::Rgb([0, 1, 2].map(share)));
+        let [extinction, albedo] = extinction_and_albedo(absorption, scattering);
+        draft.set_default("sigma_t", Value::Rgb(extinction));
+        draft.set_default("albedo", Value::Rgb(albedo));
     }
     // Coefficients count before the name of a material.
     draft.take("material");

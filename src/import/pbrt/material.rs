@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::super::draft::Draft;
 use super::super::values::shown;
-use super::output::{Output, referring};
+use super::output::Output;
 use super::parameters::{Parameters, Values};
 use super::spectrum::{self, Purpose};
 use super::texture::{ColorOrTexture, Textures};
@@ -236,7 +236,7 @@ impl Reader<'_, '_> {
         for name in names {
             let part = find(named, name, self.parameters)?;
             self.textured |= part.textured;
-            blend = referring(blend, "", &part.id);
+            blend = blend.with_reference(&part.id);
         }
         Ok(blend)
     }

@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::super::draft::Draft;
+use super::super::draft::{Draft, extinction_and_albedo};
 use super::super::values::shown;
-use super::output::{Output, referring};
+use super::output::Output;
 use super::parameters::Parameters;
 use super::spectrum::{self, Purpose};
 use crate::scene::description::PluginClass;
@@ -87,7 +87,7 @@ impl Media {
         }
         self.used = true;
         ["interior", "exterior"].into_iter().zip(media).fold(shape, |shape, (slot, medium)| match medium {
-            Some(id) => referring(shape, slot, id),
+            Some(id) => shape.with_named_reference(slot, id),
             None => shape,
         })
     }
@@ -100,9 +100,7 @@ fn homogeneous(parameters: &Parameters, output: &mut Output<'_>) -> Result<Draft
     };
     let (absorption, scattering) = (color("sigma_a", ABSORPTION)?, color("sigma_s", SCATTERING)?);
     let scale = parameters.float("scale")?.unwrap_or(1.0);
-    let extinction = [0, 1, 2].map(|channel| absorption[channel] + scattering[channel]);
-    let share =
-        |channel: usize| if extinction[channel] == 0.0 { 0.0 } else { scattering[channel] / extinction[channel] };
+    let [extinction, albedo] = extinction_and_albedo(absorption, scattering);
     if parameters.has("Le") {
         parameters.pass_over(&["Le", "Lescale"]);
         output.ignored(&parameters.place, "the emission of a medium", "media do not emit");
@@ -110,5 +108,5 @@ fn homogeneous(parameters: &Parameters, output: &mut Output<'_>) -> Result<Draft
     let place = &parameters.place;
     let phase = Draft::new(PluginClass::Phase, "hg", place).with_float("g", parameters.float("g")?.unwrap_or(0.0));
     let medium = Draft::new(PluginClass::Medium, "homogeneous", place).with_rgb("sigma_t", extinction);
-    Ok(medium.with_rgb("albedo", [0, 1, 2].map(share)).with_float("scale", scale).with_child("", phase))
+    Ok(medium.with_rgb("albedo", albedo).with_float("scale", scale).with_child("", phase))
 }

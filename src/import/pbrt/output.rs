@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::Arc;
 
-use super::super::draft::{Draft, DraftChild, Target};
+use super::super::draft::{Draft, Target};
 use super::super::gzip;
 use super::super::notices::Notices;
 use super::super::values::shown;
@@ -178,13 +178,6 @@ impl<'a> Output<'a> {
         }
         self.plugins.retain(|plugin| !is_definition(plugin) || used.contains(&plugin.id));
     }
-}
-
-/// Refers to the plugin `id` from the slot `name`.
-pub(super) fn referring(mut draft: Draft, name: &str, id: &str) -> Draft {
-    let location = draft.location.clone();
-    draft.children.push(DraftChild { name: name.to_owned(), target: Target::Reference(id.to_owned()), location });
-    draft
 }
 
 /// A whole number as a parameter.

@@ -4,7 +4,6 @@ use super::super::draft::Draft;
 use super::super::values::shown;
 use super::attributes::Surface;
 use super::light::AreaSource;
-use super::output::referring;
 use super::shape::{self, Setting};
 use super::text::Tokens;
 use super::texture::ColorOrTexture;
@@ -38,7 +37,7 @@ impl Reader<'_> {
             (Some(opacity), material) => {
                 let mask = opacity.put_number(Draft::new(PluginClass::Bsdf, "mask", place), "opacity");
                 let mask = match material {
-                    Some(material) => referring(mask, "", &material.id),
+                    Some(material) => mask.with_reference(&material.id),
                     None => mask.with_child("", material::default(place)),
                 };
                 shape.with_child("", mask)

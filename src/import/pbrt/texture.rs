@@ -11,7 +11,7 @@ use glam::{DMat4, DVec3};
 use super::super::draft::Draft;
 use super::super::resolve::resolve;
 use super::super::values::shown;
-use super::output::{Output, referring};
+use super::output::Output;
 use super::parameters::{Parameter, Parameters};
 use super::spectrum::{self, Purpose};
 use crate::scene::description::{PluginClass, Value};
@@ -41,7 +41,7 @@ impl ColorOrTexture {
     pub(super) fn put(&self, draft: Draft, name: &str) -> Draft {
         match self {
             Self::Color(rgb) => draft.with_rgb(name, *rgb),
-            Self::Texture(id) => referring(draft, name, id),
+            Self::Texture(id) => draft.with_named_reference(name, id),
         }
     }
 
@@ -49,7 +49,7 @@ impl ColorOrTexture {
     pub(super) fn put_number(&self, draft: Draft, name: &str) -> Draft {
         match self {
             Self::Color([number, ..]) => draft.with_float(name, *number),
-            Self::Texture(id) => referring(draft, name, id),
+            Self::Texture(id) => draft.with_named_reference(name, id),
         }
     }
 

@@ -193,12 +193,6 @@ fn focal_length(fields: &mut Fields<'_>, aspect: f64) -> Result<Vec2, SceneError
     }
 }
 
-/// Sine and cosine of an angle.
-fn sin_cos(angle: f32) -> [f32; 2] {
-    let (sine, cosine) = libm::sincosf(angle);
-    [sine, cosine]
-}
-
 /// How far from the axis a unit vector reaches that reaches `along` it.
 fn across(along: f32) -> f32 {
     (1.0 - along * along).max(0.0).sqrt()
@@ -219,7 +213,7 @@ impl Camera {
                 return Ray { origin, direction: forward, length: self.far - self.near };
             }
             Projection::Spherical => {
-                let ([sine, cosine], [upwards, level]) = (sin_cos(x), sin_cos(y));
+                let ((sine, cosine), (upwards, level)) = (libm::sincosf(x), libm::sincosf(y));
                 let direction = (left * (sine * level) + up * upwards + forward * (cosine * level)).normalize();
                 let origin = self.position + direction * self.near;
                 return Ray { origin, direction, length: self.far - self.near };

@@ -150,13 +150,16 @@ impl EnvironmentMap {
     #[inline]
     pub fn arriving(&self, direction: Vec3) -> (Rgb, f32) {
         let place = self.place(direction);
-        let probability = self.cells.as_ref().map_or(0.0, |cells| cells.probability(place.row, place.column));
-        (self.radiance_at(&place), probability / self.bands[place.row].cell)
+        (self.radiance_at(&place), self.density(&place))
     }
 
     /// The density of [`EnvironmentMap::arriving`] alone.
     pub(super) fn pdf(&self, direction: Vec3) -> f32 {
-        let place = self.place(direction);
+        self.density(&self.place(direction))
+    }
+
+    #[inline]
+    fn density(&self, place: &Place) -> f32 {
         let probability = self.cells.as_ref().map_or(0.0, |cells| cells.probability(place.row, place.column));
         probability / self.bands[place.row].cell
     }

@@ -1,5 +1,7 @@
 //! Random choice among the parts of a material, and how a camera path splits between gathering and going on.
 
+use super::Lobes;
+
 /// Probabilities of `N` parts.
 #[derive(Clone, Copy, Debug)]
 pub struct LobeChoice<const N: usize> {
@@ -40,6 +42,13 @@ pub fn followed_share(followed: f32, gathered: f32) -> f32 {
         (true, false) => 1.0,
         (true, true) => (followed / (followed + gathered)).clamp(1.0 / 64.0, 63.0 / 64.0),
     }
+}
+
+/// The same for parts of some kinds that have some shares.
+#[inline]
+pub fn followed_share_of<const N: usize>(kinds: [Lobes; N], shares: [f32; N]) -> f32 {
+    let sum = |lobes: Lobes| -> f32 { (0..N).filter(|part| kinds[*part].any(lobes)).map(|part| shares[part]).sum() };
+    followed_share(sum(Lobes::FOLLOWED), sum(Lobes::WIDE))
 }
 
 /// The mean of three channels.

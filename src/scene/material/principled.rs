@@ -26,7 +26,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::blend::read_share;
-use super::lobe_choice::{LobeChoice, followed_share, mean};
+use super::lobe_choice::{LobeChoice, followed_share_of, mean};
 use super::microfacet::{self, LongTail, Microfacets, Shape};
 use super::rough_dielectric::{refract, refraction_scale};
 use super::{Lobes, MaterialSample, SpecularLobes, View, flip, fresnel};
@@ -330,10 +330,7 @@ impl Principled {
 
     /// The share of the narrow parts.
     pub fn followed_share(&self, view: &View) -> f32 {
-        let shares = self.shares(&view.of(Lobes::ALL), &self.at(view));
-        let sum =
-            |lobes: Lobes| -> f32 { (0..3).filter(|part| self.kinds[*part].any(lobes)).map(|part| shares[part]).sum() };
-        followed_share(sum(Lobes::FOLLOWED), sum(Lobes::WIDE))
+        followed_share_of(self.kinds, self.shares(&view.of(Lobes::ALL), &self.at(view)))
     }
 
     /// None.

@@ -20,7 +20,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use super::blend::read_share;
-use super::lobe_choice::{LobeChoice, followed_share, mean};
+use super::lobe_choice::{LobeChoice, followed_share_of, mean};
 use super::microfacet::{self, Microfacets, Shape};
 use super::principled::{alphas, base_shape, hue, is_everywhere, sheen_color, tinted_reflection};
 use super::{Lobes, MaterialSample, SpecularLobes, TransportMode, View, flip, fresnel};
@@ -265,10 +265,7 @@ impl PrincipledThin {
 
     /// The share of the narrow parts.
     pub fn followed_share(&self, view: &View) -> f32 {
-        let shares = self.shares(&view.of(Lobes::ALL), &self.at(view));
-        let sum =
-            |lobes: Lobes| -> f32 { (0..4).filter(|part| self.kinds[*part].any(lobes)).map(|part| shares[part]).sum() };
-        followed_share(sum(Lobes::FOLLOWED), sum(Lobes::WIDE))
+        followed_share_of(self.kinds, self.shares(&view.of(Lobes::ALL), &self.at(view)))
     }
 
     /// None.

@@ -149,7 +149,11 @@ fn read_grid(node: &Node, bundle: &Bundle) -> Result<Grid, SceneError> {
     let to_world = if in_box { to_world * read.place } else { to_world };
     let to_cube = glam::Affine3A::from_mat4(to_world.inverse().as_mat4());
     if !to_cube.is_finite() {
-        return Err(fields_error(node, "the grid is flat or its size is not finite", "check its to_world and its box"));
+        return Err(SceneError::new(
+            &node.location,
+            "the grid is flat or its size is not finite",
+            "check its to_world and its box",
+        ));
     }
     let largest = read.values.iter().map(|value| value.max_element()).fold(0.0, f32::max);
     Ok(Grid { size: read.size, values: read.values.into(), largest, to_cube, filter, wrap })
@@ -157,10 +161,6 @@ fn read_grid(node: &Node, bundle: &Bundle) -> Result<Grid, SceneError> {
 
 fn unknown(fields: &Fields<'_>, name: &str, found: &str, remedy: &str) -> SceneError {
     fields.error(name, format!("\"{name}\" is \"{found}\""), remedy)
-}
-
-fn fields_error(node: &Node, problem: &str, remedy: &str) -> SceneError {
-    SceneError::new(&node.location, problem, remedy)
 }
 
 /// What a file holds.
