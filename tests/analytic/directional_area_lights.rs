@@ -2,11 +2,10 @@
 
 use crate::scene_files;
 
+use crate::rendered::rendered;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-use photonfarm::evaluation::Run;
-use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
 use scene_files::prepare;
 
@@ -26,14 +25,7 @@ fn lamp(shape: &str, emitter: &str) -> String {
 }
 
 fn render(scene: Scene, name: &str, passes: u32) -> Vec<[f32; 3]> {
-    let scene = Arc::new(scene);
-    let choice = MethodChoice { name: name.to_owned(), parameters: serde_json::Map::new() };
-    let checked = method::check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
-    let mut run = Run::start(&scene, &checked, 3).expect("the method can be prepared");
-    while run.passes() < passes {
-        run.pass().expect("a pass is traced");
-    }
-    run.picture().radiance
+    rendered(&Arc::new(scene), name, serde_json::Map::new(), passes, 3).radiance
 }
 
 fn scene(body: &str) -> Scene {

@@ -1,5 +1,7 @@
 //! What is computed is what closed forms say.
 
+#[path = "../support/rendered.rs"]
+mod rendered;
 #[path = "../support/scene_files.rs"]
 mod scene_files;
 #[path = "../support/scene_text.rs"]

@@ -1,9 +1,9 @@
 //! Participating media against closed forms: what absorbs is exact in every method, what scatters loses nothing.
 
+use crate::rendered::{few_photons, rendered};
 use std::path::Path;
 use std::sync::Arc;
 
-use photonfarm::evaluation::Run;
 use photonfarm::import::{load_bytes, load_file};
 use photonfarm::method::{self, METHODS, MethodChoice};
 use photonfarm::scene::Scene;
@@ -18,18 +18,7 @@ fn scene(content: &str) -> Arc<Scene> {
 
 /// The mean of each channel.
 fn render(scene: &Arc<Scene>, name: &str, passes: u32) -> [f64; 3] {
-    let mut parameters = serde_json::Map::new();
-    let known = method::entry(name).expect("in the table").parameters;
-    if known.iter().any(|parameter| parameter.name == "photons_per_pass") {
-        parameters.insert("photons_per_pass".to_owned(), 8192.into());
-    }
-    let choice = MethodChoice { name: name.to_owned(), parameters };
-    let checked = method::check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
-    let mut run = Run::start(scene, &checked, 7).expect("the method can be prepared");
-    while run.passes() < passes {
-        run.pass().expect("a pass is traced");
-    }
-    let picture = run.picture().radiance;
+    let picture = rendered(scene, name, few_photons(name), passes, 7).radiance;
     [0, 1, 2].map(|channel| picture.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / picture.len() as f64)
 }
 

@@ -8,12 +8,11 @@
 mod chi_square;
 use crate::scene_files;
 
+use crate::rendered::rendered;
 use std::sync::Arc;
 
 use chi_square::{assert_directions, numbers};
-use photonfarm::evaluation::Run;
 use photonfarm::math::Vec3;
-use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
 use scene_files::prepare;
 
@@ -125,13 +124,7 @@ fn agreement_of_the_sun_s_place() {
 
 fn floor(parameters: &str, name: &str, passes: u32) -> [f32; 3] {
     let scene = Arc::new(scene(parameters).expect("a good scene"));
-    let choice = MethodChoice { name: name.to_owned(), parameters: serde_json::Map::new() };
-    let checked = method::check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
-    let mut run = Run::start(&scene, &checked, 3).expect("the method can be prepared");
-    while run.passes() < passes {
-        run.pass().expect("a pass is traced");
-    }
-    let pixels = run.picture().radiance;
+    let pixels = rendered(&scene, name, serde_json::Map::new(), passes, 3).radiance;
     [0, 1, 2].map(|channel| pixels.iter().map(|pixel| pixel[channel]).sum::<f32>() / pixels.len() as f32)
 }
 

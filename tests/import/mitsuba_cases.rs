@@ -2,12 +2,15 @@
 //!
 //! `ref.npy` is Mitsuba 3.9.1, `scalar_rgb`, 1024 samples by the scene's own integrator.
 
+#[path = "../support/rendered.rs"]
+mod rendered;
+
+use rendered::{few_photons, rendered};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use photonfarm::evaluation::Run;
 use photonfarm::import::{load_bytes, load_file};
-use photonfarm::method::{self, METHODS, MethodChoice};
+use photonfarm::method::METHODS;
 use photonfarm::scene::Scene;
 use photonfarm::scene::bundle::Bundle;
 
@@ -32,18 +35,8 @@ fn reference(case: &str) -> Vec<[f64; 3]> {
 }
 
 fn render(scene: &Arc<Scene>, name: &str, passes: u32) -> Vec<[f64; 3]> {
-    let mut parameters = serde_json::Map::new();
-    let known = method::entry(name).expect("in the table").parameters;
-    if known.iter().any(|parameter| parameter.name == "photons_per_pass") {
-        parameters.insert("photons_per_pass".to_owned(), 8192.into());
-    }
-    let choice = MethodChoice { name: name.to_owned(), parameters };
-    let checked = method::check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
-    let mut run = Run::start(scene, &checked, 7).expect("the method can be prepared");
-    while run.passes() < passes {
-        run.pass().expect("a pass is traced");
-    }
-    run.picture().radiance.iter().map(|pixel| pixel.map(f64::from)).collect()
+    let picture = rendered(scene, name, few_photons(name), passes, 7);
+    picture.radiance.iter().map(|pixel| pixel.map(f64::from)).collect()
 }
 
 fn mean(picture: &[[f64; 3]]) -> f64 {

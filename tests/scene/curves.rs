@@ -2,10 +2,9 @@
 
 use crate::scene_files;
 
+use crate::rendered::rendered;
 use std::sync::Arc;
 
-use photonfarm::evaluation::Run;
-use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
 use scene_files::prepare;
 
@@ -27,15 +26,8 @@ fn scene(plugin: &str, parameters: &str, file: &str) -> Result<Scene, String> {
 /// Means of the 16 blocks of 4 × 4 pixels, by rows.
 fn blocks(scene: Scene) -> Vec<f32> {
     let scene = Arc::new(scene);
-    let mut parameters = serde_json::Map::new();
-    parameters.insert("max_depth".to_owned(), 2.into());
-    let choice = MethodChoice { name: "path".to_owned(), parameters };
-    let checked = method::check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
-    let mut run = Run::start(&scene, &checked, 3).expect("the method can be prepared");
-    while run.passes() < 512 {
-        run.pass().expect("a pass is traced");
-    }
-    let picture = run.picture().radiance;
+    let parameters = serde_json::Map::from_iter([("max_depth".to_owned(), 2.into())]);
+    let picture = rendered(&scene, "path", parameters, 512, 3).radiance;
     let mut sums = vec![0.0; 16];
     for (index, pixel) in picture.iter().enumerate() {
         sums[index / 64 * 4 + index % 16 / 4] += pixel[0] / 16.0;

@@ -2,6 +2,9 @@
 
 #[path = "../support/description_tree.rs"]
 mod description_tree;
+#[path = "../support/rendered.rs"]
+#[expect(dead_code, reason = "other tests use the rest")]
+mod rendered;
 #[path = "../support/scene_files.rs"]
 mod scene_files;
 

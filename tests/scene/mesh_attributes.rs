@@ -2,10 +2,9 @@
 
 use crate::scene_files;
 
+use crate::rendered::rendered;
 use std::sync::Arc;
 
-use photonfarm::evaluation::Run;
-use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
 use photonfarm::scene::error::Location;
 use photonfarm::scene::geometry::ply;
@@ -63,14 +62,7 @@ fn error(body: &str, file: &str) -> String {
 
 /// The picture; its rows run down along y, its columns along x.
 fn render(scene: Scene, name: &str, passes: u32) -> Vec<[f32; 3]> {
-    let scene = Arc::new(scene);
-    let choice = MethodChoice { name: name.to_owned(), parameters: serde_json::Map::new() };
-    let checked = method::check(&choice, scene.pixel_count() as u64).expect("the parameters are good");
-    let mut run = Run::start(&scene, &checked, 7).expect("the method can be prepared");
-    while run.passes() < passes {
-        run.pass().expect("a pass is traced");
-    }
-    run.picture().radiance
+    rendered(&Arc::new(scene), name, serde_json::Map::new(), passes, 7).radiance
 }
 
 /// The middle of a pixel on the square.
