@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Write the meshes of the scenes re-created from papers, and the file of instances and lamps of scene10.
+"""Write the meshes of the scenes that need some, and the rooms and lamps of those that have many.
 
     python3 generate.py
 
@@ -56,6 +56,13 @@ def rounded(points, rounds=2):
             cut.append(tuple(0.25 * p + 0.75 * q for p, q in zip(a, b)))
         points = [*cut, points[-1]]
     return points
+
+
+def along(path, t):
+    """The point of a polyline at t from 0 to 1, each piece as long in t as every other."""
+    place = min(max(t, 0), 1) * (len(path) - 1)
+    i = min(int(place), len(path) - 2)
+    return tuple(a + (place - i) * (b - a) for a, b in zip(path[i], path[i + 1]))
 
 
 def lathe(profile, segments=48):
@@ -203,13 +210,7 @@ def basin():
 def tap():
     """A pipe that rises, bends forward (+z) and points down."""
     path = rounded([(0, 0, 0), (0, 0.13, 0), (0, 0.22, 0.01), (0, 0.24, 0.07), (0, 0.2, 0.13), (0, 0.13, 0.14)], 3)
-
-    def center(t):
-        place = min(max(t, 0), 1) * (len(path) - 1)
-        i = min(int(place), len(path) - 2)
-        return tuple(a + (place - i) * (b - a) for a, b in zip(path[i], path[i + 1]))
-
-    return tube(center, lambda t: 0.014, len(path) - 1, 14)
+    return tube(lambda t: along(path, t), lambda t: 0.014, len(path) - 1, 14)
 
 
 def knot():
@@ -285,6 +286,34 @@ def at(edge, y):
     return x0 + (x1 - x0) * (y - y0) / (y1 - y0)
 
 
+def house(inset):
+    """The shell of a house whose front gable stands in the xy plane and whose back lies at z = -2.6: 2.2 wide, eaves at
+    1.5, ridge at 2.4, down to 0.1 below the ground; `inset` inwards from that on all sides but below."""
+    slope = math.hypot(0.9, 1.1)
+    # The roof moves along its normal, so that the eaves come down by what the slope makes of it.
+    ridge = 2.4 - inset * slope / 1.1
+    wall = 1.1 - inset
+    eaves = ridge - 0.9 / 1.1 * wall
+    outline = [(-wall, -0.1), (wall, -0.1), (wall, eaves), (0, ridge), (-wall, eaves)]
+    vertices, triangles = extruded([outline], 2.6 - 2 * inset)
+    return [(x, y, z - inset) for x, y, z in vertices], triangles
+
+
+def lamps_of_the_house():
+    """Forty balls of light under the roof of the house, which stands at (-1.9, 0, -0.6): two layers of four rows of five."""
+    lines = ['<scene version="3.0.0">', "  <!-- Written by ../generate.py: the 40 lamps in the house. -->"]
+    for layer in range(2):
+        for row in range(4):
+            for column in range(5):
+                x, y, z = -2.7 + 0.4 * column, 0.5 + 0.7 * layer, -0.95 - 0.63 * row
+                lines += [
+                    f'  <shape type="sphere"><point name="center" x="{x:.2f}" y="{y:.2f}" z="{z:.2f}"/>'
+                    '<float name="radius" value="0.1"/><ref id="lime"/>'
+                    '<emitter type="area"><rgb name="radiance" value="$radiance"/></emitter></shape>',
+                ]
+    (HERE / "house-of-lamps" / "lamps.xml").write_text("\n".join([*lines, "</scene>", ""]))
+
+
 def ten_by_ten_rooms():
     """The instances of scene10's room, 4 m apart, and the lamp of each."""
     lines = [
@@ -304,6 +333,44 @@ def ten_by_ten_rooms():
     (HERE / "scene10" / "rooms.xml").write_text("\n".join([*lines, "</scene>", ""]))
 
 
+def closed_rooms(count, seen):
+    """count × count closed rooms of many-rooms, 4 m apart, with their furniture, and the lamps of all but the one at the
+    origin, which is number `seen` in its row and in its column."""
+    low, high = -4 * seen - 2, 4 * (count - seen) - 2
+    middle, half = (low + high) / 2, (high - low) / 2
+    title = f"  <!-- Written by ../generate.py: {count} × {count} closed rooms"
+    rooms = [
+        '<scene version="3.0.0">',
+        f"{title}. Walls of 10 cm, from below the floor to above the ceiling. -->",
+        f'  <shape type="rectangle" id="floor"><transform name="to_world"><scale x="{half}" y="{half}"/><rotate x="1" angle="-90"/>'
+        f'<translate x="{middle}" z="{middle}"/></transform><ref id="boards"/></shape>',
+        f'  <shape type="rectangle" id="ceiling"><transform name="to_world"><scale x="{half}" y="{half}"/><rotate x="1" angle="90"/>'
+        f'<translate x="{middle}" y="2.5" z="{middle}"/></transform><ref id="plaster"/></shape>',
+    ]
+    for k in range(count + 1):
+        place = low + 4 * k
+        rooms += [
+            f'  <shape type="cube"><transform name="to_world"><scale x="0.05" y="1.3" z="{half + 0.05}"/>'
+            f'<translate x="{place}" y="1.25" z="{middle}"/></transform><ref id="green"/></shape>',
+            f'  <shape type="cube"><transform name="to_world"><scale x="{half + 0.05}" y="1.3" z="0.05"/>'
+            f'<translate x="{middle}" y="1.25" z="{place}"/></transform><ref id="plaster"/></shape>',
+        ]
+    lamps = ['<scene version="3.0.0">', f"{title}: the lamps of all but the one that is seen. -->"]
+    for row in range(count):
+        for column in range(count):
+            x, z = 4 * (column - seen), 4 * (row - seen)
+            move = f'<translate x="{x}" z="{z}"/>'
+            rooms.append(f'  <shape type="instance"><transform name="to_world">{move}</transform><ref id="furniture"/></shape>')
+            if (row, column) != (seen, seen):
+                lamp = f'<scale x="0.25" y="0.25"/><rotate x="1" angle="90"/><translate x="{x}" y="2.49" z="{z}"/>'
+                lamps.append(
+                    f'  <shape type="rectangle"><transform name="to_world">{lamp}</transform><ref id="plaster"/>'
+                    '<emitter type="area"><rgb name="radiance" value="$radiance"/></emitter></shape>'
+                )
+    for name, lines in ((f"rooms-{count**2}", rooms), (f"lamps-{count**2}", lamps)):
+        (HERE / "many-rooms" / f"{name}.xml").write_text("\n".join([*lines, "</scene>", ""]))
+
+
 def main():
     write("kitchen-counter/bottle", bottle())
     write("kitchen-counter/carafe", carafe())
@@ -315,7 +382,12 @@ def main():
     write("gallery/vase", vase())
     write("rooms/vase", vase())
     write("jack-o-lantern/face", face())
+    write("house-of-lamps/outside", house(0))
+    write("house-of-lamps/inside", house(0.06))
+    lamps_of_the_house()
     ten_by_ten_rooms()
+    closed_rooms(5, 2)
+    closed_rooms(10, 5)
 
 
 if __name__ == "__main__":
