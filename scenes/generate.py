@@ -213,6 +213,38 @@ def tap():
     return tube(lambda t: along(path, t), lambda t: 0.014, len(path) - 1, 14)
 
 
+def chair_shell():
+    """Seat and back of a chair in one curved sheet, its seat 0.46 high; the one who sits looks at +z."""
+    profile = rounded([(0.45, 0.25), (0.475, 0.19), (0.44, -0.12), (0.47, -0.21), (0.88, -0.28)], 3)
+
+    def point(u, v):
+        y, z = along(profile, v)
+        across = (2 * u - 1) ** 2
+        # The seat is hollow, the back wraps round the one who sits, and its upper corners are rounded.
+        half = 0.23 * (1 - 0.25 * max(0, v - 0.8) ** 2 / 0.04)
+        return ((1 - 2 * u) * half, y + 0.02 * across * (1 - v), z + 0.06 * across * v)
+
+    return sheet(point, 16, 28)
+
+
+def chair_frame():
+    """One bent tube: the rails under the seat, down at the front, and back over the floor."""
+    left = [(-0.17, 0.437, -0.12), (-0.19, 0.437, 0.1), (-0.19, 0.437, 0.24), (-0.21, 0.23, 0.25), (-0.21, 0.02, 0.26), (-0.21, 0.02, 0)]
+    path = rounded([*left, (-0.21, 0.02, -0.27), (0.21, 0.02, -0.27), *((-x, y, z) for x, y, z in reversed(left))], 3)
+    return tube(lambda t: along(path, t), lambda t: 0.012, len(path) - 1, 10)
+
+
+def table_top():
+    """The top of a long table, 4.4 by 1.5 and 4 cm thick, its outline a superellipse."""
+
+    def power(x):
+        return math.copysign(abs(x) ** 0.6, x)
+
+    turns = (2 * math.pi * k / 72 for k in range(72))
+    outline = [(round(2.2 * power(math.cos(a)), 5), round(0.75 * power(math.sin(a)), 5)) for a in turns]
+    return extruded([outline], 0.04)
+
+
 def knot():
     """A trefoil knot, about 1 across."""
 
@@ -382,6 +414,9 @@ def main():
     write("gallery/vase", vase())
     write("rooms/vase", vase())
     write("jack-o-lantern/face", face())
+    write("conference/chair-shell", chair_shell())
+    write("conference/chair-frame", chair_frame())
+    write("conference/table-top", table_top())
     write("house-of-lamps/outside", house(0))
     write("house-of-lamps/inside", house(0.06))
     lamps_of_the_house()

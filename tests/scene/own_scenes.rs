@@ -9,7 +9,8 @@ use photonfarm::scene::description::{Child, PluginClass, SceneDescription};
 use crate::description_tree::tree;
 
 /// Scenes that stand beside a `scene.xml`.
-const VARIANTS: [&str; 6] = [
+const VARIANTS: [&str; 7] = [
+    "conference/spheres.xml",
     "house-of-lamps/alone.xml",
     "many-rooms/100-alone.xml",
     "many-rooms/100.xml",
@@ -41,7 +42,7 @@ fn every_scene_of_the_folder_prepares_without_a_notice() {
         .map(|entry| entry.expect("a readable folder").path().join("scene.xml"))
         .filter(|file| file.exists())
         .collect();
-    assert!(files.len() >= 24, "only {} scenes were found", files.len());
+    assert!(files.len() >= 25, "only {} scenes were found", files.len());
     files.extend(VARIANTS.map(own_scene));
     for file in files {
         let scene = Scene::prepare(&load(&file)).unwrap_or_else(|error| panic!("{error}"));
