@@ -108,9 +108,9 @@ impl Film {
         let (left, right) = span(x, self.offset[0], self.width);
         let (top, bottom) = span(y, self.offset[1], self.height);
         for row in top..bottom {
-            let down = self.filter.weight_within(y - (row + self.offset[1]) as f32, self.edges(row, self.height));
+            let down = self.filter.weight_within(y - (row + self.offset[1]) as f32, || self.edges(row, self.height));
             for column in left..right {
-                let edges = self.edges(column, self.width);
+                let edges = || self.edges(column, self.width);
                 let weight = down * self.filter.weight_within(x - (column + self.offset[0]) as f32, edges);
                 if weight != 0.0 {
                     add(row * self.width + column, weight);
@@ -134,8 +134,8 @@ impl Film {
 
     #[inline]
     fn filtered_point(&self, filter: &Filter, [column, row]: [u32; 2], [x, y]: [f32; 2]) -> (Vec2, f32) {
-        let (x, across) = filter.sample_within(x, self.edges(column, self.width));
-        let (y, down) = filter.sample_within(y, self.edges(row, self.height));
+        let (x, across) = filter.sample_within(x, || self.edges(column, self.width));
+        let (y, down) = filter.sample_within(y, || self.edges(row, self.height));
         let place = Vec2::new(
             ((column + self.offset[0]) as f32 + x) / self.whole[0] as f32,
             ((row + self.offset[1]) as f32 + y) / self.whole[1] as f32,

@@ -103,6 +103,21 @@ fn chi_square_discrete() {
     }
 }
 
+/// The guide only shortens the search: what is picked is the first thing whose cumulative probability is above the number.
+#[test]
+fn discrete_picks_as_a_plain_search_does() {
+    for count in [1, 2, 3, 5, 64, 513, 1000] {
+        let weights: Vec<f64> = (0..count).map(|index| f64::from(numbers(22, index)[0]).powi(6)).collect();
+        let discrete = Discrete::new(&weights).expect("the weights are good");
+        let cumulative: Vec<f32> = (0..count).map(|index| discrete.share_below(index as f32 + 1.0)).collect();
+        let plain = |u: f32| cumulative.iter().position(|sum| *sum > u).expect("the last sum is 1");
+        let borders = cumulative.iter().flat_map(|sum| [*sum, sum.next_down(), sum.next_up()]);
+        for u in (0..10_000).map(|sample| numbers(23, sample)[1]).chain(borders).filter(|u| (0.0..1.0).contains(u)) {
+            assert_eq!(discrete.pick(u).0, plain(u), "{count} things, number {u}");
+        }
+    }
+}
+
 #[test]
 fn analytic_frames_are_orthonormal() {
     let random = pairs(21).take(20_000).map(warp::sphere);

@@ -194,25 +194,31 @@ impl Filter {
         }
     }
 
-    /// [`Filter::weight`] of the part of the filter between two places from the pixel's left or upper edge; that part has an
-    /// integral of 1.
+    /// [`Filter::weight`] of the part of the filter between two `edges`, places from the pixel's left or upper edge; that part has
+    /// an integral of 1.
     #[inline]
-    pub fn weight_within(&self, place: f32, edges: [f32; 2]) -> f32 {
-        if self.lies_within(edges) { self.weight(place) } else { self.weight(place) / self.integral(edges) }
-    }
-
-    /// [`Filter::sample`] of the part of the filter between two places from the pixel's left or upper edge.
-    #[inline]
-    pub fn sample_within(&self, u: f32, edges: [f32; 2]) -> (f32, f32) {
-        if self.lies_within(edges) { self.sample(u) } else { self.sample_part(u, edges) }
-    }
-
-    #[inline]
-    fn lies_within(&self, [first, last]: [f32; 2]) -> bool {
-        match self {
-            Self::Box => true,
-            Self::Sampled { radius, .. } => first <= 0.5 - radius && last >= 0.5 + radius,
+    pub fn weight_within(&self, place: f32, edges: impl FnOnce() -> [f32; 2]) -> f32 {
+        match self.part_within(edges) {
+            None => self.weight(place),
+            Some(edges) => self.weight(place) / self.integral(edges),
         }
+    }
+
+    /// [`Filter::sample`] of the part of the filter between two `edges`, places from the pixel's left or upper edge.
+    #[inline]
+    pub fn sample_within(&self, u: f32, edges: impl FnOnce() -> [f32; 2]) -> (f32, f32) {
+        match self.part_within(edges) {
+            None => self.sample(u),
+            Some(edges) => self.sample_part(u, edges),
+        }
+    }
+
+    /// The edges, if they leave out some of the filter.
+    #[inline]
+    fn part_within(&self, edges: impl FnOnce() -> [f32; 2]) -> Option<[f32; 2]> {
+        let Self::Sampled { radius, .. } = self else { return None };
+        let [first, last] = edges();
+        (first > 0.5 - radius || last < 0.5 + radius).then_some([first, last])
     }
 
     #[inline(never)]
