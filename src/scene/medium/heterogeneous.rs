@@ -27,9 +27,11 @@ pub struct Heterogeneous {
     majorant: f32,
 }
 
-/// How light fares at a collision, m⁻¹.
+/// What a collision may be: true with the extinction, null with the rest, m⁻¹.
 struct Collision {
-    scattering: Rgb,
+    extinction: Rgb,
+    /// The share of light that a true one scatters.
+    albedo: Rgb,
     null: Rgb,
 }
 
@@ -53,15 +55,17 @@ impl Heterogeneous {
     }
 
     /// Samples how far the ray gets within its length: where it is scattered, and the weight. At a collision the mean over the
-    /// channels of what is carried chooses between scattering and none [K, section 5.1]; absorption weighs.
+    /// channels of what is carried chooses between a true one and none [K, section 5.1]; a true one scatters, and absorption weighs.
     pub(super) fn fly(&self, ray: &Ray, random: &PathRandom) -> (Option<f32>, Rgb) {
         let mut weight = Rgb::ONE;
         for (position, [distance, u]) in self.collisions(ray, random) {
-            let Collision { scattering, null } = self.collide(position);
-            let (scattered, passed) = (weight * scattering, weight * null);
-            let share = scattered.element_sum() / (scattered + passed).element_sum();
+            let Collision { extinction, albedo, null } = self.collide(position);
+            // Where nothing scatters a true collision would only end the path.
+            let collided = if albedo == Rgb::ZERO { Rgb::ZERO } else { weight * extinction };
+            let passed = weight * null;
+            let share = collided.element_sum() / (collided + passed).element_sum();
             if u < share {
-                return (Some(distance), scattered / (self.majorant * share));
+                return (Some(distance), collided * albedo / (self.majorant * share));
             }
             weight = passed / (self.majorant * (1.0 - share));
             if weight == Rgb::ZERO || !weight.is_finite() {
@@ -84,6 +88,6 @@ impl Heterogeneous {
     fn collide(&self, position: Vec3) -> Collision {
         let extinction = self.extinction.at(position) * self.scale;
         let null = (Rgb::splat(self.majorant) - extinction).max(Rgb::ZERO);
-        Collision { scattering: extinction * self.albedo.at(position), null }
+        Collision { extinction, albedo: self.albedo.at(position), null }
     }
 }
