@@ -200,32 +200,41 @@ impl Scene {
     }
 
     /// The first surface along `ray`, with all that its material needs.
-    #[inline(always)]
+    // A call of its own that holds all of the search, and changes what it found in place: else every hit is copied once more.
+    #[inline(never)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
-        let mut hit = self.geometry.intersect(ray)?;
-        if hit.shape.needs_partials {
-            hit.detail = self.geometry.partials_in_frame(&hit);
+        let mut found = self.geometry.intersect(ray);
+        if let Some(hit) = &mut found
+            && hit.shape.needs_partials
+        {
+            hit.detail = self.geometry.partials_in_frame(hit);
         }
-        Some(hit)
+        found
     }
 
     /// The first surface that a camera ray meets.
     #[inline(always)]
     pub fn intersect_from_camera(&self, ray: &Ray) -> Option<Interaction> {
-        let hit = self.intersect(ray)?;
-        if self.hides_lights { self.behind_lights(ray, hit) } else { Some(hit) }
+        let mut found = self.intersect(ray);
+        if self.hides_lights {
+            self.pass_lights(ray, &mut found);
+        }
+        found
     }
 
-    /// The first surface along `ray` that does not emit, from its first hit on.
+    /// Goes on along `ray` to the first surface that does not emit.
+    #[cold]
     #[inline(never)]
-    fn behind_lights(&self, ray: &Ray, mut hit: Interaction) -> Option<Interaction> {
+    fn pass_lights(&self, ray: &Ray, found: &mut Option<Interaction>) {
         let mut passed = 0.0;
-        while hit.shape.light != NO_LIGHT {
+        while let Some(hit) = found.as_ref().filter(|hit| hit.shape.light != NO_LIGHT) {
             passed += hit.distance;
             let rest = Ray { length: ray.length - passed, ..hit.ray_to(ray.direction) };
-            hit = self.intersect(&rest)?;
+            *found = self.intersect(&rest);
         }
-        Some(Interaction { distance: hit.distance + passed, ..hit })
+        if let Some(hit) = found {
+            hit.distance += passed;
+        }
     }
 
     /// Whether anything that the camera sees is between a ray's origin and its length.

@@ -39,7 +39,7 @@ pub struct Joint<'a> {
 }
 
 /// The share of light that passes: 0 where something is in the way, less than 1 where a medium is.
-#[inline]
+#[inline(always)]
 pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) -> Rgb {
     if joint.blockers == Blockers::Turning {
         return through_surfaces(scene, *joint, counters);

@@ -112,17 +112,19 @@ impl Walk {
         let is_seen_first = self.mode == TransportMode::Radiance && self.steps == 1;
         // A copy: a walk whose parts are known elsewhere by address would not be kept in registers.
         let ray = self.ray;
-        let mut surface = if is_seen_first { scene.intersect_from_camera(&ray) } else { scene.intersect(&ray) };
-        if self.medium.is_none() {
-            return Step { surface, scattered: None };
+        let mut step = Step {
+            surface: if is_seen_first { scene.intersect_from_camera(&ray) } else { scene.intersect(&ray) },
+            scattered: None,
+        };
+        if self.medium.is_some() {
+            let length = step.surface().map_or(f32::INFINITY, |hit| hit.distance);
+            let Flight { scattered, weight } = fly(scene, self.medium, Ray { length, ..self.ray }, self.steps, random);
+            self.throughput *= weight;
+            if let Some(distance) = scattered {
+                step = Step { surface: None, scattered: Some(self.ray.at(distance)) };
+            }
         }
-        let length = surface.as_ref().map_or(f32::INFINITY, |hit| hit.distance);
-        let Flight { scattered, weight } = fly(scene, self.medium, Ray { length, ..self.ray }, self.steps, random);
-        self.throughput *= weight;
-        if scattered.is_some() {
-            surface = None;
-        }
-        Step { surface, scattered: scattered.map(|distance| self.ray.at(distance)) }
+        step
     }
 
     /// Radiance that arrives from a light at the end of the last step, which was a surface or outside of the scene, and the density

@@ -223,7 +223,7 @@ impl Geometry {
     }
 
     /// The first surface along `ray`.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
         let nearest = self.accelerator.nearest(ray);
         if let Some(instances) = &self.instances {
@@ -293,16 +293,19 @@ impl Geometry {
     /// A point uniform by area on the primitive at a tree index, with its normal on the side that a hit there has it.
     #[inline]
     pub fn sample(&self, primitive: u32, u: [f32; 2]) -> SurfacePoint {
-        let point = self.primitive(primitive).sample(u);
-        if self.shading_normals.is_empty() {
-            return point;
+        let mut point = self.primitive(primitive).sample(u);
+        if !self.shading_normals.is_empty() {
+            point.normal = self.outside_normal(primitive, u, point.normal);
         }
+        point
+    }
+
+    /// A primitive's own normal turned to the side that its hits have it on, at the point that `u` samples.
+    #[inline(never)]
+    fn outside_normal(&self, primitive: u32, u: [f32; 2], own: Vec3) -> Vec3 {
         match self.info[primitive as usize].shading {
-            NO_SHADING => point,
-            shading => {
-                let (_, normal) = self.shading_normal(shading, warp::triangle(u).to_array(), point.normal);
-                SurfacePoint { normal, ..point }
-            }
+            NO_SHADING => own,
+            shading => self.shading_normal(shading, warp::triangle(u).to_array(), own).1,
         }
     }
 
