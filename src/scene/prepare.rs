@@ -145,7 +145,8 @@ impl Scene {
         let mut geometry = instancing.add_to(geometry);
         let mut lights = Vec::new();
         place_area_lights(&mut geometry, &members, area_lights, &mut lights);
-        let lights = light_table(&geometry, lights, &emitters, &mut textures, description)?.with_seen_only(seen_only);
+        let lights =
+            light_table(&geometry, lights, &emitters, sensor, &mut textures, description)?.with_seen_only(seen_only);
         check_view(&camera, &geometry, &materials, sensor)?;
         let Film { width, height, .. } = film;
         let (geometry, lights) = (Arc::new(geometry), Arc::new(lights));

@@ -13,7 +13,6 @@ const UNSUPPORTED: &[(&str, &[&str], &str)] = &[
         &["measured_polarized", "pplastic", "polarizer", "retarder", "circular"],
         "polarization is not rendered: use a bsdf without it",
     ),
-    ("emitter", &["timed_sunsky"], "use sunsky at one time of the day"),
     ("texture", &["volume"], "use a bitmap"),
     (
         "sensor",

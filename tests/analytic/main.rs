@@ -19,3 +19,4 @@ mod media;
 mod normal_maps;
 mod parameterization;
 mod sun_sky;
+mod timed_sun_sky;

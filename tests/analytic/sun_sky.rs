@@ -187,8 +187,17 @@ fn days_that_cannot_be() {
             "\"sun_direction\" and \"hour\" are given",
         ),
         ("<vector name='sun_direction' value='0, 0, 0'/>", "\"sun_direction\" has no length"),
+        (
+            "<integer name='month' value='2'/><integer name='day' value='31'/>",
+            "\"day\" is 31, and month 2 of 2010 has 28 days",
+        ),
+        ("<float name='day' value='2.5'/>", "\"day\" is 2.5; give a whole number"),
+        ("<float name='sky_scale' value='1e40'/>", "\"sky_scale\" is 1e40; give a number from 0 to 1e20"),
         // At night everything is black.
-        ("<vector name='sun_direction' value='0, 1, -0.1'/>", "nothing in the scene emits light"),
+        (
+            "<vector name='sun_direction' value='0, 1, -0.1'/>",
+            "the sun of the sunsky stands 5.7° below the horizon, and nothing else",
+        ),
     ] {
         let found = scene(parameters).err().unwrap_or_else(|| panic!("{parameters} is no error"));
         assert!(found.contains(expected), "{found}");

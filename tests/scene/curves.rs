@@ -149,10 +149,6 @@ fn plugins_that_are_not_rendered() {
             format!("{light}<shape type='sphere'/><sensor type='irradiancemeter'/>"),
             "sensor \"irradiancemeter\" is not supported",
         ),
-        (
-            format!("{sensor}<shape type='sphere'/><emitter type='timed_sunsky'/>"),
-            "emitter \"timed_sunsky\" is not supported; use sunsky",
-        ),
     ] {
         let found =
             prepare(&body, &[]).err().map(|error| error.to_string()).unwrap_or_else(|| panic!("{body} is no error"));

@@ -42,6 +42,16 @@ pub(super) const EMITTERS: Class = Class {
                 refused("complex_sun", "the sun is as bright at its rim as in its middle"),
             ],
         ),
-        Plugin::refused("timed_sunsky"),
+        Plugin::new(
+            "timed_sunsky",
+            Support::Approximated,
+            "the average over its instants as a map of 2048 columns; Mitsuba 3.9.1 shows the sun's radiance from all directions",
+            &[
+                same("turbidity albedo sun_scale sky_scale sun_aperture to_world"),
+                same("latitude longitude timezone start_year start_month start_day end_year end_month end_day"),
+                same("window_start_time window_end_time shutter_open shutter_close"),
+                refused("complex_sun", "the sun is as bright at its rim as in its middle"),
+            ],
+        ),
     ],
 };

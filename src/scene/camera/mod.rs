@@ -91,7 +91,7 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
         Projection::Spherical => (Vec2::new(PI, 0.5 * PI), Vec2::ZERO),
     };
     let (aperture_radius, focus_distance) = lens(fields, far)?;
-    fields.ignore(&["shutter_open", "shutter_close"]);
+    shutter(fields)?;
     let axis = |axis: DVec3| to_world.vector(axis).normalize().as_vec3();
     Ok(Camera {
         position: to_single(to_world.point(DVec3::ZERO), fields)?,
@@ -110,6 +110,17 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
 fn half_film(to_world: &ToWorld, aspect: f64) -> Vec2 {
     let [x, y] = [DVec3::X, DVec3::Y].map(|axis| to_world.vector(axis).length());
     Vec2::new(x as f32, (y / aspect) as f32)
+}
+
+/// The times between which a sensor's shutter is open: `shutter_open` and `shutter_close`, both 0 by default. Nothing moves, and only
+/// what belongs to a time of its own asks for them.
+pub fn shutter(fields: &mut Fields<'_>) -> Result<[f64; 2], SceneError> {
+    let [open, close] = [fields.float("shutter_open")?.unwrap_or(0.0), fields.float("shutter_close")?.unwrap_or(0.0)];
+    if close < open {
+        let problem = format!("\"shutter_close\" is {close}, and \"shutter_open\" {open}");
+        return Err(fields.error("shutter_close", problem, "let the shutter close after it opens"));
+    }
+    Ok([open, close])
 }
 
 fn principal_point(fields: &mut Fields<'_>) -> Result<Vec2, SceneError> {

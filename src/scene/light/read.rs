@@ -1,7 +1,8 @@
 //! Emitter plugins that stand alone; `area` belongs to a shape.
 
-use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Projector, Spot, SunSky, Surroundings};
+use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Projector, Spot, SunSky, Surroundings, sun_sky};
 use crate::scene::bundle::Bundle;
+use crate::scene::camera;
 use crate::scene::description::Node;
 use crate::scene::error::SceneError;
 use crate::scene::fields::Fields;
@@ -14,6 +15,8 @@ struct Source<'a, 'b> {
     surroundings: Surroundings,
     textures: &'a mut TextureReader<'b>,
     bundle: &'a Bundle,
+    /// The scene's.
+    sensor: &'a Node,
 }
 
 type ReadEmitter = fn(&mut Source<'_, '_>) -> Result<Light, SceneError>;
@@ -31,9 +34,13 @@ const EMITTERS: &[(&str, ReadEmitter)] = &[
         Ok(Light::EnvironmentMap(map))
     }),
     ("sunsky", |source| Ok(Light::SunSky(SunSky::read(&mut source.fields, source.surroundings)?))),
+    ("timed_sunsky", |source| {
+        let shutter = camera::shutter(&mut Fields::new(source.sensor))?;
+        sun_sky::timed::read(&mut source.fields, shutter, source.surroundings)
+    }),
 ];
 
-/// Reads an emitter node.
+/// Reads an emitter node, for pictures by a sensor.
 ///
 /// # Errors
 /// Unknown plugins and parameters, and parameters out of range, with their place.
@@ -42,12 +49,13 @@ pub fn read(
     surroundings: Surroundings,
     textures: &mut TextureReader<'_>,
     bundle: &Bundle,
+    sensor: &Node,
 ) -> Result<Light, SceneError> {
     let Some((_, read)) = EMITTERS.iter().find(|(name, _)| *name == node.plugin) else {
         let known: Vec<&str> = EMITTERS.iter().map(|(name, _)| *name).collect();
         return Err(unknown_plugin(node, &known));
     };
-    let mut source = Source { fields: Fields::new(node), surroundings, textures, bundle };
+    let mut source = Source { fields: Fields::new(node), surroundings, textures, bundle, sensor };
     let light = read(&mut source)?;
     check_sampling_weight(&mut source.fields)?;
     source.fields.finish()?;

@@ -8,8 +8,8 @@
 //! | `latitude`, `longitude` | the place, north and east | degrees | 35.6894, 139.6917 |
 //! | `timezone` | its hours before Greenwich | h | 9 |
 //! | `year`, `month`, `day`, `hour`, `minute`, `second` | the time there | – | 2010, 7, 10, 15, 0, 0 |
-//! | `sun_scale`, `sky_scale` | factors | ≥ 0 | 1 |
-//! | `sun_aperture` | angle across the sun, which keeps its irradiance | degrees, above 0 and below 90 | 0.5358 |
+//! | `sun_scale`, `sky_scale` | factors | 0 to 1e20 | 1 |
+//! | `sun_aperture` | angle across the sun, which keeps its irradiance | degrees, 0.0001 to below 90 | 0.5358 |
 //! | `to_world` | a similarity; z is up, x south, y west | – | identity |
 //!
 //! The sky's radiance is F(θ, γ)·L of [Hosek & Wilkie 2012, eq. 8 and 11] for each channel of linear Rec. 709, in units that
@@ -18,8 +18,11 @@
 //!
 //! Directions are picked by a table of the sky's luminance and from the sun's cone; radiances are those of the formula.
 
+mod average;
+mod date;
 mod model;
 mod position;
+pub mod timed;
 
 use std::sync::Arc;
 
@@ -70,36 +73,37 @@ impl Disc {
     }
 }
 
-/// A number of at least 0; 1 by default.
+/// A factor, 1 by default. Radiances stay in the range of single numbers.
 fn read_scale(fields: &mut Fields<'_>, name: &'static str) -> Result<f64, SceneError> {
-    let scale = fields.float(name)?.unwrap_or(1.0);
-    if scale < 0.0 {
-        return Err(fields.error(name, format!("\"{name}\" is {scale}"), "give a number of at least 0"));
-    }
-    Ok(scale)
+    position::number(fields, name, 1.0, [0.0, 1e20])
 }
 
-impl SunSky {
-    /// Reads the parameters.
-    pub fn read(fields: &mut Fields<'_>, surroundings: Surroundings) -> Result<Self, SceneError> {
+/// What a sky looks like but for where its sun stands.
+#[derive(Clone, Debug)]
+struct Appearance {
+    turbidity: f64,
+    albedo: [f64; 3],
+    /// Angle across the sun, rad.
+    aperture: f64,
+    sun_scale: f64,
+    sky_scale: f64,
+    /// The unit axes of the sky's own space; the third is up.
+    axes: [DVec3; 3],
+}
+
+impl Appearance {
+    fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
         let to_world = ToWorld::read(fields)?;
         to_world.check_similarity(fields)?;
-        let turbidity = fields.float("turbidity")?.unwrap_or(3.0);
-        if !(1.0..=10.0).contains(&turbidity) {
-            return Err(fields.error(
-                "turbidity",
-                format!("\"turbidity\" is {turbidity}"),
-                "give a number from 1 to 10",
-            ));
-        }
+        let turbidity = position::number(fields, "turbidity", 3.0, [1.0, 10.0])?;
         let albedo = fields.rgb("albedo")?.unwrap_or([0.3; 3]);
         if albedo.iter().any(|share| *share > 1.0) {
             return Err(fields.error("albedo", "\"albedo\" is above 1", "give numbers from 0 to 1"));
         }
         let aperture = fields.float("sun_aperture")?.unwrap_or(0.5358);
-        if !(aperture > 0.0 && aperture < 90.0) {
+        if !(1e-4..90.0).contains(&aperture) {
             let problem = format!("\"sun_aperture\" is {aperture} degrees");
-            return Err(fields.error("sun_aperture", problem, "give an angle above 0 and below 90 degrees"));
+            return Err(fields.error("sun_aperture", problem, "give an angle of at least 0.0001 and below 90 degrees"));
         }
         if fields.boolean("complex_sun")?.unwrap_or(false) {
             let problem = "\"complex_sun\" is not supported: the sun is as bright at its rim as in its middle";
@@ -108,18 +112,46 @@ impl SunSky {
         // Chooses how Mitsuba samples; it changes no picture.
         fields.ignore(&["sampling_weight"]);
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| to_world.vector(axis).normalize());
-        let local = position::read(fields)?.local(axes);
         let (sun_scale, sky_scale) = (read_scale(fields, "sun_scale")?, read_scale(fields, "sky_scale")?);
-        let sky = Sky::new(turbidity, albedo, local, sky_scale);
-        let half = libm::sin(0.25 * aperture.to_radians());
-        let one_minus_cosine = 2.0 * half * half;
-        let irradiance = model::sun_irradiance(turbidity, local.z) * sun_scale;
-        let sun = Disc {
-            direction: (axes[0] * local.x + axes[1] * local.y + axes[2] * local.z).normalize().as_vec3(),
-            one_minus_cosine: one_minus_cosine as f32,
-            radiance: (irradiance / (std::f64::consts::TAU * one_minus_cosine)).as_vec3(),
+        Ok(Self { turbidity, albedo, aperture: aperture.to_radians(), sun_scale, sky_scale, axes })
+    }
+
+    /// 1 − cos of half the angle across the sun.
+    fn one_minus_cosine(&self) -> f64 {
+        let half = libm::sin(0.25 * self.aperture);
+        2.0 * half * half
+    }
+
+    /// Of the sun, sr.
+    fn solid_angle(&self) -> f64 {
+        std::f64::consts::TAU * self.one_minus_cosine()
+    }
+}
+
+impl SunSky {
+    /// Reads the parameters.
+    pub fn read(fields: &mut Fields<'_>, surroundings: Surroundings) -> Result<Self, SceneError> {
+        let appearance = Appearance::read(fields)?;
+        let sun = position::read(fields)?.local(appearance.axes);
+        Ok(Self::at(&appearance, sun, surroundings))
+    }
+
+    /// The day with its sun at a unit vector of the sky's own space.
+    fn at(appearance: &Appearance, sun: DVec3, surroundings: Surroundings) -> Self {
+        let axes = appearance.axes;
+        let sky = Sky::new(appearance.turbidity, appearance.albedo, sun, appearance.sky_scale);
+        let irradiance = model::sun_irradiance(appearance.turbidity, sun.z) * appearance.sun_scale;
+        let disc = Disc {
+            direction: (axes[0] * sun.x + axes[1] * sun.y + axes[2] * sun.z).normalize().as_vec3(),
+            one_minus_cosine: appearance.one_minus_cosine() as f32,
+            radiance: (irradiance / appearance.solid_angle()).as_vec3(),
         };
-        Ok(Self::new(sky, sun, luminance(irradiance.as_vec3()), axes.map(|axis| axis.as_vec3()), surroundings))
+        Self::new(sky, disc, luminance(irradiance.as_vec3()), axes.map(|axis| axis.as_vec3()), surroundings)
+    }
+
+    /// How high the sun stands over the horizon, degrees.
+    pub fn elevation(&self) -> f32 {
+        libm::asinf(self.axes[2].dot(self.sun.direction).clamp(-1.0, 1.0)).to_degrees()
     }
 
     /// `sun_light` is the luminance of the sun's irradiance.

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
+use crate::math::Rgb;
 use crate::scene::description::{Node, SceneDescription};
-use crate::scene::error::SceneError;
+use crate::scene::error::{Location, SceneError};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::light::area::{self, Emission};
@@ -51,22 +52,52 @@ pub(super) fn light_table(
     geometry: &Geometry,
     mut lights: Vec<Light>,
     emitters: &[&Arc<Node>],
+    sensor: &Node,
     textures: &mut TextureReader<'_>,
     description: &SceneDescription,
 ) -> Result<LightTable, SceneError> {
     let surroundings = Surroundings::new(geometry.bounds());
+    if !lights.iter().all(|light| light.power().is_finite()) {
+        return Err(too_bright(&description.root.location, "area"));
+    }
+    let mut night = None;
     for node in emitters {
-        let light = light::read(node, surroundings, textures, &description.bundle)?;
+        let light = light::read(node, surroundings, textures, &description.bundle, sensor)?;
         if light.is_environment() && lights.iter().any(Light::is_environment) {
             return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
         }
+        if !light.power().is_finite() {
+            return Err(too_bright(&node.location, &node.plugin));
+        }
+        night = night.or_else(|| night_of(node, &light));
         lights.push(light);
     }
     LightTable::new(lights, geometry).ok_or_else(|| {
-        SceneError::new(
-            &description.root.location,
-            "nothing in the scene emits light",
-            "add an emitter with a radiance above 0",
-        )
+        night.unwrap_or_else(|| {
+            SceneError::new(
+                &description.root.location,
+                "nothing in the scene emits light",
+                "add an emitter with a radiance above 0",
+            )
+        })
     })
+}
+
+fn too_bright(location: &Location, plugin: &str) -> SceneError {
+    let problem = format!("an emitter \"{plugin}\" sends more light than a number of 32 bits holds");
+    SceneError::new(location, problem, "give smaller numbers")
+}
+
+/// Why a day is black, for where nothing else emits.
+fn night_of(node: &Node, light: &Light) -> Option<SceneError> {
+    let where_the_sun_is = match light {
+        Light::SunSky(day) if day.elevation() <= 0.0 => format!("{:.1}° below the horizon", -day.elevation()),
+        Light::EnvironmentMap(map) if node.plugin == "timed_sunsky" && map.power() == Rgb::ZERO => {
+            "below the horizon all the time".to_owned()
+        }
+        _ => return None,
+    };
+    let problem =
+        format!("the sun of the {} stands {where_the_sun_is}, and nothing else in the scene emits light", node.plugin);
+    Some(SceneError::new(&node.location, problem, "let the sun rise, or add an emitter"))
 }
