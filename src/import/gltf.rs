@@ -29,7 +29,7 @@ use super::notices::Notices;
 use super::resolve::resolve;
 use super::substitution::refuse_defines;
 use crate::scene::Scene;
-use crate::scene::bundle::{Bundle, Generated};
+use crate::scene::bundle::{Bundle, Generated, without_byte_order_mark};
 use crate::scene::description::{PluginClass, SceneDescription};
 use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
@@ -78,7 +78,7 @@ pub(super) fn is_gltf(text: &[u8]) -> bool {
         #[serde(rename = "version")]
         _version: IgnoredAny,
     }
-    serde_json::from_slice::<Head>(text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text)).is_ok()
+    serde_json::from_slice::<Head>(without_byte_order_mark(text)).is_ok()
 }
 
 /// Reads a `.gltf` or `.glb` file, and the files that it refers to from `bundle`. Gives the scene and the files that

@@ -8,6 +8,7 @@ use super::spectra::{self, Purpose};
 use super::substitution::refuse_defines;
 use super::values::{self, shown};
 use super::{DEPTH_LIMIT, plugins, transform};
+use crate::scene::bundle::without_byte_order_mark;
 use crate::scene::description::{Parameter, PluginClass, Value};
 use crate::scene::error::{Location, SceneError, nearest_name};
 
@@ -18,7 +19,7 @@ const STEPS: [&str; 5] = ["translate", "rotate", "scale", "look_at", "matrix"];
 /// Reads a scene file. JSON has no `$names`, so every define is an error.
 pub(super) fn read(bytes: &[u8], location: &Location, defines: &[(String, String)]) -> Result<Draft, SceneError> {
     refuse_defines(defines, location, "a JSON scene has no parameters: write the value into it")?;
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let bytes = without_byte_order_mark(bytes);
     let root: Json = serde_json::from_slice(bytes).map_err(|error| {
         let place = Location { line: error.line() as u32, ..location.clone() };
         SceneError::new(&place, format!("malformed JSON: {error}"), "")

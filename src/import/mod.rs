@@ -35,7 +35,7 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::scene::bundle::{Bundle, read_file, scene_in_comment};
+use crate::scene::bundle::{Bundle, read_file, scene_in_comment, without_byte_order_mark};
 use crate::scene::description::{Node, SceneDescription, Value};
 use crate::scene::error::{Location, SceneError};
 use changes::Changes;
@@ -201,7 +201,7 @@ fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
     if bytes.starts_with(gltf::MAGIC) {
         return Ok(Format::Glb);
     }
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = without_byte_order_mark(bytes);
     match text.trim_ascii_start().first() {
         Some(b'<') if ceng795::is_ceng795(text) => Ok(Format::Ceng795),
         Some(b'<') => Ok(Format::Xml),

@@ -329,6 +329,11 @@ fn read_inside(folder: &Path, path: &Path, name: &str, location: &Location) -> R
     read_file(path).map_err(|error| unreadable(name, &error, location))?.ok_or_else(|| too_large(name, location))
 }
 
+/// A text file without the byte order mark of UTF-8, which some editors write at its beginning.
+pub fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
 /// The bytes of a regular file; nothing when it is larger than 1 GiB.
 pub fn read_file(path: &Path) -> std::io::Result<Option<Arc<[u8]>>> {
     // Asked before opening: opening a pipe would wait for a writer.

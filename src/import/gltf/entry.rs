@@ -1,6 +1,7 @@
 //! The JSON of a glTF file, read by type; every error names the path of what is wrong.
 
 use super::super::json_text::Json;
+use crate::scene::bundle::without_byte_order_mark;
 use crate::scene::error::{Location, SceneError};
 
 /// The longest JSON text that is read, bytes: the tree in memory takes many times its size.
@@ -25,7 +26,7 @@ impl Document {
             let problem = "the JSON of the file has more than 64 MiB";
             return Err(SceneError::new(location, problem, "keep meshes and images in files of their own, or use GLB"));
         }
-        let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+        let text = without_byte_order_mark(text);
         let root: Json = serde_json::from_slice(text).map_err(|error| {
             let place = Location { line: error.line() as u32, ..location.clone() };
             SceneError::new(&place, format!("malformed JSON: {error}"), "export the scene again")

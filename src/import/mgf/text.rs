@@ -1,6 +1,7 @@
 //! An MGF file as lines of words, and what a line's words must be.
 
 use super::super::values::shown;
+use crate::scene::bundle::without_byte_order_mark;
 use crate::scene::error::{Location, SceneError};
 
 /// The text of one file, cut into entities.
@@ -17,7 +18,7 @@ impl Text {
     /// left out.
     pub(super) fn new(name: &str, bytes: &[u8]) -> Self {
         // The format is ASCII; comments in other encodings do no harm.
-        let text = String::from_utf8_lossy(bytes).into_owned();
+        let text = String::from_utf8_lossy(without_byte_order_mark(bytes)).into_owned();
         let mut lines = Vec::new();
         let (mut number, mut start) = (0, 0);
         let mut open: Option<(u32, usize)> = None;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::super::values::{self, Refusal, shown};
 use super::super::xml_element::Attributes;
 use super::spectrum;
+use crate::scene::bundle::without_byte_order_mark;
 use crate::scene::error::{Location, SceneError};
 
 /// The tags of colors.
@@ -45,7 +46,7 @@ pub(in super::super) fn read(
         ("spectrum", Some(text), None) => rgb(text).map(plain).map_err(refused),
         ("spectrum", None, Some(name)) => {
             let content = file(name)?;
-            let text = String::from_utf8_lossy(&content);
+            let text = String::from_utf8_lossy(without_byte_order_mark(&content));
             let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
             points(lines).map_err(refused)
         }

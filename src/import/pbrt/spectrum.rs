@@ -4,6 +4,7 @@ use super::super::mitsuba_old::spectrum::{black_body, interpolate, to_rgb};
 use super::super::values::shown;
 use super::output::Output;
 use super::parameters::{Parameter, Values};
+use crate::scene::bundle::without_byte_order_mark;
 use crate::scene::error::SceneError;
 use crate::scene::material::measured_metals::METALS;
 
@@ -130,7 +131,7 @@ fn named(parameter: &Parameter, name: &str, purpose: Purpose, output: &mut Outpu
     }
     let content = output.read(name, &parameter.place)?;
     output.includes.push((name.to_owned(), parameter.place.clone()));
-    let text = String::from_utf8_lossy(&content);
+    let text = String::from_utf8_lossy(without_byte_order_mark(&content));
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
     let numbers: Result<Vec<f64>, _> = lines.flat_map(str::split_whitespace).map(str::parse::<f64>).collect();
     match numbers {

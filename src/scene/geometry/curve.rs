@@ -15,7 +15,7 @@ use glam::DVec3;
 use super::mesh::{self, ShapeGeometry};
 use super::transform::ToWorld;
 use super::triangle_mesh::TriangleMesh;
-use crate::scene::bundle::Bundle;
+use crate::scene::bundle::{Bundle, without_byte_order_mark};
 use crate::scene::error::{Location, SceneError};
 use crate::scene::fields::Fields;
 
@@ -102,7 +102,7 @@ fn check_size(fields: &mut Fields<'_>, triangles: u64) -> Result<(), SceneError>
 fn read_curves(fields: &mut Fields<'_>, bundle: &Bundle, least: usize) -> Result<Vec<Vec<Point>>, SceneError> {
     let (bytes, location) = mesh::mesh_file(fields, bundle)?;
     let to_world = ToWorld::read(fields)?;
-    let text = String::from_utf8_lossy(&bytes);
+    let text = String::from_utf8_lossy(without_byte_order_mark(&bytes));
     let mut curves: Vec<Vec<Point>> = vec![Vec::new()];
     let error = |line: usize, problem: String| {
         SceneError::new(

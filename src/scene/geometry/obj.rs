@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashMap};
 
+use super::super::bundle::without_byte_order_mark;
 use super::super::error::{Location, SceneError};
 use super::triangle_mesh::TriangleMesh;
 
@@ -47,6 +48,7 @@ pub fn read(bytes: &[u8], material: Option<&str>, location: &Location) -> Result
 
 /// The statements of a file, each with the number of its first line, counted from 1.
 pub fn lines(bytes: &[u8]) -> impl Iterator<Item = (usize, Cow<'_, [u8]>)> {
+    let bytes = without_byte_order_mark(bytes);
     let mut physical =
         bytes.split(|byte| *byte == b'\n').map(|line| line.strip_suffix(b"\r").unwrap_or(line)).enumerate();
     std::iter::from_fn(move || {

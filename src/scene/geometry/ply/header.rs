@@ -1,5 +1,6 @@
 //! The header of a PLY file.
 
+use super::super::super::bundle::without_byte_order_mark;
 use super::super::super::error::{Location, SceneError};
 
 /// How the numbers of the body are written.
@@ -83,7 +84,8 @@ pub(super) struct Header {
 /// Reads the lines up to `end_header`.
 pub(super) fn read(bytes: &[u8], location: &Location) -> Result<Header, SceneError> {
     const REMEDY: &str = "export the mesh again";
-    let mut header = Header { encoding: Encoding::Ascii, elements: Vec::new(), body: 0, lines: 0 };
+    let body = bytes.len() - without_byte_order_mark(bytes).len();
+    let mut header = Header { encoding: Encoding::Ascii, elements: Vec::new(), body, lines: 0 };
     let mut encoding = None;
     loop {
         let rest = &bytes[header.body..];

@@ -4,6 +4,7 @@
 //! used: the luminaire hangs as it was measured. Of the photometric types, C is accepted. Intensities are multiplied by
 //! the file's multiplier, ballast factor and ballast-lamp factor.
 
+use crate::scene::bundle::without_byte_order_mark;
 use crate::scene::error::{Location, SceneError};
 
 /// The most intensities that are read.
@@ -25,7 +26,7 @@ pub(super) struct Photometry {
 /// With the line: when there is no `TILT=`, a number is missing, malformed, negative or not finite, or the angles are not ascending or
 /// cover none of the ranges that the standard has; when it is of photometric type A or B.
 pub(super) fn read(bytes: &[u8], location: &Location) -> Result<Photometry, SceneError> {
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
     let lines: Vec<&str> = text.lines().collect();
     let tilt = lines.iter().position(|line| line.trim_start().starts_with("TILT="));
     let Some(tilt) = tilt else {
