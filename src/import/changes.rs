@@ -64,7 +64,7 @@ pub enum Environment {
 }
 
 /// The film that Mitsuba takes where a scene has none, pixels.
-const DEFAULT_SIZE: [u32; 2] = [768, 576];
+pub(super) const DEFAULT_SIZE: [u32; 2] = [768, 576];
 
 impl Changes {
     /// Whether nothing is changed.
@@ -152,7 +152,7 @@ impl Changes {
 /// The parameters of a film along x and y: side, first pixel, and count of what is rendered.
 const AXES: [[&str; 3]; 2] = [["width", "crop_offset_x", "crop_width"], ["height", "crop_offset_y", "crop_height"]];
 
-fn film(location: &Location) -> Node {
+pub(super) fn film(location: &Location) -> Node {
     Node {
         class: PluginClass::Film,
         plugin: "hdrfilm".to_owned(),
@@ -163,14 +163,14 @@ fn film(location: &Location) -> Node {
     }
 }
 
-fn integer(node: &Node, name: &str) -> Option<i64> {
+pub(super) fn integer(node: &Node, name: &str) -> Option<i64> {
     match node.parameters.iter().find(|parameter| parameter.name == name)?.value {
         Value::Integer(number) => Some(number),
         _ => None,
     }
 }
 
-fn set(node: &mut Node, name: &str, number: i64) {
+pub(super) fn set(node: &mut Node, name: &str, number: i64) {
     node.parameters.retain(|parameter| parameter.name != name);
     let (location, value) = (node.location.clone(), Value::Integer(number));
     node.parameters.push(Parameter { name: name.to_owned(), value, location });

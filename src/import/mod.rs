@@ -5,6 +5,7 @@
 //! `plugins` the names of all plugins. `pack` makes the bytes that travel over HTTP, [`native`] writes a description as JSON,
 //! and [`report`] is what an import could not represent.
 
+mod batch;
 mod ceng795;
 pub mod changes;
 pub mod compatibility;
@@ -162,6 +163,7 @@ impl Source {
             root.state_plain_defaults();
         }
         let mut root = resolve::resolve(&root, &aliases)?;
+        batch::unfold(&mut root, &mut notices)?;
         // The others choose while they read.
         if !matches!(found, Format::Gltf | Format::Glb | Format::Ceng795) {
             changes::choose_sensor(&mut root, camera, &mut notices)?;

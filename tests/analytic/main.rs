@@ -18,5 +18,6 @@ mod instances;
 mod media;
 mod normal_maps;
 mod parameterization;
+mod radiance_meter;
 mod sun_sky;
 mod timed_sun_sky;

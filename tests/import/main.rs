@@ -6,6 +6,7 @@ mod chi_square;
 #[path = "../support/gltf_file.rs"]
 mod gltf_file;
 
+mod batches;
 mod byte_order_marks;
 mod cases_of_formats;
 mod ceng795;

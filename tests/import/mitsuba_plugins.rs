@@ -44,17 +44,33 @@ const NEEDED: &[(&str, &str)] = &[
     ("linearcurve", "<string name='filename' value='curves.txt'/>"),
     ("bsplinecurve", "<string name='filename' value='curves.txt'/>"),
     ("merge", "<shape type='cube'/>"),
+    ("batch", "<sensor type='perspective'/>"),
     ("mesh_attribute", "<string name='name' value='vertex_color'/>"),
     ("aov", "<integrator type='path'/>"),
     ("moment", "<integrator type='path'/>"),
     ("stokes", "<integrator type='path'/>"),
 ];
 
+const METER: &str = "<point name='origin' z='3'/><vector name='direction' x='0.1' z='-1'/>";
+
 /// Values that are no defaults, as XML; those of a certain plugin come first.
 const VALUES: &[(&str, &str, &str)] = &[
     ("area", "radiance", "<rgb name='radiance' value='3, 2, 1'/>"),
     ("constvolume", "value", "<float name='value' value='0.3'/>"),
     ("sunsky", "albedo", "<rgb name='albedo' value='0.8'/>"),
+    ("radiancemeter", "origin", METER),
+    ("radiancemeter", "direction", METER),
+    ("timed_sunsky", "albedo", "<rgb name='albedo' value='0.8'/>"),
+    ("timed_sunsky", "shutter_open", "<float name='shutter_open' value='-1'/>"),
+    ("timed_sunsky", "shutter_close", "<float name='shutter_close' value='2'/>"),
+    ("", "start_year", "<integer name='start_year' value='2027'/>"),
+    ("", "start_month", "<integer name='start_month' value='3'/>"),
+    ("", "start_day", "<integer name='start_day' value='8'/>"),
+    ("", "end_year", "<integer name='end_year' value='2027'/>"),
+    ("", "end_month", "<integer name='end_month' value='3'/>"),
+    ("", "end_day", "<integer name='end_day' value='9'/>"),
+    ("", "window_start_time", "<float name='window_start_time' value='8'/>"),
+    ("", "window_end_time", "<float name='window_end_time' value='17'/>"),
     ("linearcurve", "filename", "<string name='filename' value='others.txt'/>"),
     ("bsplinecurve", "filename", "<string name='filename' value='others.txt'/>"),
     ("mesh_attribute", "name", "<string name='name' value='vertex_heat'/>"),
@@ -277,8 +293,20 @@ fn outcome(class: PluginClass, title: &str, plugin: &str, given: &str) -> Result
         PluginClass::Emitter if plugin == "directionalarea" => {
             shape = format!("<shape type='rectangle'>{}</shape>", node("emitter", ""));
         }
-        PluginClass::Emitter => light = node("emitter", ""),
-        PluginClass::Sensor => sensor = node("sensor", "").replace("</sensor>", "FILM</sensor>"),
+        PluginClass::Emitter => {
+            light = node("emitter", "");
+            if plugin == "timed_sunsky" {
+                // One instant of the span: a whole one becomes a map, of which `{:?}` tells no texels.
+                let instant = "<float name='shutter_open' value='0.3'/><float name='shutter_close' value='0.3'/>FILM";
+                sensor = sensor.replace("FILM", instant);
+            }
+        }
+        PluginClass::Sensor => {
+            sensor = node("sensor", "").replace("</sensor>", "FILM</sensor>");
+            if plugin == "radiancemeter" {
+                film = one_pixel();
+            }
+        }
         PluginClass::Film => film = node("film", ""),
         PluginClass::ReconstructionFilter => film = format!("<film type='hdrfilm'>{}</film>", node("rfilter", "")),
         PluginClass::Sampler => film += &node("sampler", ""),
@@ -321,6 +349,10 @@ fn outcome(class: PluginClass, title: &str, plugin: &str, given: &str) -> Result
         scene.media
     ))
 }
+fn one_pixel() -> String {
+    "<film type='hdrfilm'><integer name='width' value='1'/><integer name='height' value='1'/></film>".to_owned()
+}
+
 /// What some rays meet: places, normals and texture coordinates.
 fn hits(scene: &Scene) -> Vec<String> {
     let origins = [Vec3::new(0.3, 0.2, 3.0), Vec3::new(0.1, -3.0, 0.4), Vec3::new(2.5, 0.6, 0.3)];

@@ -135,7 +135,7 @@ fn plugins_that_are_not_rendered() {
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='batch'/>"),
-            "sensor \"batch\" is not supported; render each",
+            "the batch has no sensors; put sensors into it",
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='distant'/>"),
@@ -143,7 +143,7 @@ fn plugins_that_are_not_rendered() {
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='radiancemeter'/>"),
-            "sensor \"radiancemeter\" is not supported",
+            "the film of a radiancemeter has 768 × 576 pixels; give it one of width 1 and height 1",
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='irradiancemeter'/>"),

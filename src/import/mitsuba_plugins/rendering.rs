@@ -11,25 +11,29 @@ pub(super) const SENSORS: Class = Class {
     class: PluginClass::Sensor,
     title: "Sensors",
     parameters: &[
-        same("to_world"),
-        passed_over("shutter_open shutter_close", "nothing moves"),
+        passed_over("shutter_open shutter_close", "nothing moves; a `timed_sunsky` asks for them"),
         refused("srf", "pictures are RGB"),
     ],
     plugins: &[
-        Plugin::refused("batch"),
+        Plugin::new(
+            "batch",
+            Support::Approximated,
+            "each of its sensors is a camera by itself (`--camera`), as wide as its part of the film",
+            &[passed_over("to_world", "its sensors have their own")],
+        ),
         Plugin::refused("distant"),
         Plugin::refused("irradiancemeter"),
-        Plugin::same("orthographic", &[CLIP, passed_over("focus_distance", "all depths are sharp")]),
+        Plugin::same("orthographic", &[same("to_world"), CLIP, passed_over("focus_distance", "all depths are sharp")]),
         Plugin::same(
             "perspective",
             &[
-                same("fov fov_axis focal_length principal_point_offset_x principal_point_offset_y"),
+                same("to_world fov fov_axis focal_length principal_point_offset_x principal_point_offset_y"),
                 CLIP,
                 passed_over("focus_distance", "all depths are sharp"),
             ],
         ),
-        Plugin::refused("radiancemeter"),
-        Plugin::same("thinlens", &[same("fov fov_axis focal_length aperture_radius focus_distance"), CLIP]),
+        Plugin::new("radiancemeter", Support::Approximated, "a pixel 0.01° wide", &[same("to_world origin direction")]),
+        Plugin::same("thinlens", &[same("to_world fov fov_axis focal_length aperture_radius focus_distance"), CLIP]),
     ],
 };
 

@@ -1,4 +1,4 @@
-//! Cameras: `perspective`, `thinlens`, `orthographic` and `spherical`.
+//! Cameras: `perspective`, `thinlens`, `orthographic`, `spherical` and `radiancemeter` (see `meter`).
 //!
 //! | parameter | meaning | unit, range | default |
 //! |---|---|---|---|
@@ -16,6 +16,8 @@
 //!
 //! `spherical` (Mitsuba 0.6, pbrt) takes the same and sees all around: rows are latitudes from up to down, columns longitudes. The middle of
 //! the picture is forward, and its clip distances are along the rays.
+
+mod meter;
 
 use std::f32::consts::PI;
 
@@ -79,6 +81,10 @@ const CAMERAS: &[(&str, Projection)] = &[
 /// Reads a sensor's own parameters, for a whole film of `width` × `height` pixels; the film and sampler are read elsewhere.
 pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera, SceneError> {
     let plugin = fields.node().plugin.as_str();
+    if plugin == "radiancemeter" {
+        shutter(fields)?;
+        return meter::read(fields, [width, height]);
+    }
     let Some((_, projection)) = CAMERAS.iter().find(|(name, _)| *name == plugin).copied() else {
         let known: Vec<&str> = CAMERAS.iter().map(|(name, _)| *name).collect();
         return Err(unknown_plugin(fields.node(), &known));
@@ -106,12 +112,6 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
     })
 }
 
-/// Half the width and height of what parallel rays see, m.
-fn half_film(to_world: &ToWorld, aspect: f64) -> Vec2 {
-    let [x, y] = [DVec3::X, DVec3::Y].map(|axis| to_world.vector(axis).length());
-    Vec2::new(x as f32, (y / aspect) as f32)
-}
-
 /// The times between which a sensor's shutter is open: `shutter_open` and `shutter_close`, both 0 by default. Nothing moves, and only
 /// what belongs to a time of its own asks for them.
 pub fn shutter(fields: &mut Fields<'_>) -> Result<[f64; 2], SceneError> {
@@ -121,6 +121,12 @@ pub fn shutter(fields: &mut Fields<'_>) -> Result<[f64; 2], SceneError> {
         return Err(fields.error("shutter_close", problem, "let the shutter close after it opens"));
     }
     Ok([open, close])
+}
+
+/// Half the width and height of what parallel rays see, m.
+fn half_film(to_world: &ToWorld, aspect: f64) -> Vec2 {
+    let [x, y] = [DVec3::X, DVec3::Y].map(|axis| to_world.vector(axis).length());
+    Vec2::new(x as f32, (y / aspect) as f32)
 }
 
 fn principal_point(fields: &mut Fields<'_>) -> Result<Vec2, SceneError> {
