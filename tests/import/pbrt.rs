@@ -182,6 +182,19 @@ fn pbrt_lights_have_counterparts() {
     );
 }
 
+/// It only hides what is outside of it, and openings without one.
+#[test]
+fn portals_are_told() {
+    let portal = "\"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]";
+    let scene = world(&format!("LightSource \"infinite\" \"rgb L\" [ .5 .5 .5 ] {portal}"));
+    assert_eq!(of_class(&scene, PluginClass::Emitter), ["constant(radiance=0.500 0.500 0.500)"]);
+    assert!(
+        scene.notices.iter().any(|notice| notice.subject == "the portal of an infinite light"),
+        "{:?}",
+        scene.notices
+    );
+}
+
 const QUAD: &str = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0  1 0 0  1 1 0  0 1 0 ] \
     \"point2 uv\" [ 0 0 1 0 1 1 0 1 ] \"integer indices\" [ 0 1 2 0 2 3 ]";
 
@@ -327,10 +340,6 @@ fn pbrt_errors_name_file_line_and_remedy() {
         (
             world("Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 3 ]"),
             "index 3 in a mesh of 3 points",
-        ),
-        (
-            world("LightSource \"infinite\" \"point3 portal\" [0 0 0 1 0 0 1 1 0 0 1 0]"),
-            "parameter \"portal\": it is not supported",
         ),
         (world("Material \"diffuse\" \"texture reflectance\" \"wood\""), "there is no texture \"wood\""),
         (world("Shape \"plymesh\" \"string filename\" \"../a.ply\""), "leads upwards"),

@@ -48,7 +48,11 @@ pub(in super::super) const EXTENSIONS: &[Row] = &[
     ),
     Row::new("KHR_mesh_quantization", Same, ""),
     Row::new("KHR_meshopt_compression", Refused, "export without mesh compression"),
-    Row::new("KHR_texture_basisu", Refused, "export PNG or JPEG; beside an image of these it is passed over"),
+    Row::new(
+        "KHR_texture_basisu",
+        Refused,
+        "export PNG or JPEG; beside an image of these it is passed over; the one decoder that is Rust alone is at its first release",
+    ),
     Row::new("KHR_texture_transform", Same, ""),
     Row::new("KHR_xmp_json_ld", PassedOver, ""),
     Row::new("MSFT_texture_dds", Refused, "export PNG or JPEG; beside an image of these it is passed over"),

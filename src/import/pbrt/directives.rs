@@ -32,7 +32,7 @@ pub(in super::super) const DIRECTIVES: &[Row] = &[
     Row::new(
         "LightSource",
         Approximated,
-        "`point`, `distant`, `spot`, `infinite`, its image by a map of latitude and longitude, without portals; `goniometric`; `projection` by a spot",
+        "`point`, `distant`, `spot`, `infinite`, its image by a map of latitude and longitude; portals keep no light out; `goniometric`; `projection` by a spot",
     ),
     Row::new("LookAt", Same, ""),
     Row::new("MakeNamedMaterial", Approximated, "as `Material`"),

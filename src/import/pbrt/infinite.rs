@@ -25,7 +25,7 @@ const SAMPLES: usize = 3;
 /// Reads the light, whose image is `name`. The map stands in the world, so that mirrored light spaces need nothing more.
 ///
 /// # Errors
-/// On an image that cannot be read, a portal, and a transform that cannot be inverted.
+/// On an image that cannot be read, and a transform that cannot be inverted.
 pub(super) fn read(
     name: &str,
     parameters: &Parameters,

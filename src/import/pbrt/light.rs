@@ -20,7 +20,7 @@ pub(super) use area_light::AreaSource;
 /// A light that is not a shape, with the transform `to_world` in effect.
 ///
 /// # Errors
-/// On kinds that pbrt does not have, and portals.
+/// On kinds that pbrt does not have.
 pub(super) fn other(
     kind: &str,
     parameters: &Parameters,
@@ -42,7 +42,11 @@ pub(super) fn other(
         }
         "spot" => spot(light("spot"), from, parameters, to_world, output)?,
         "infinite" => {
-            refuse(parameters, "portal", "remove it")?;
+            if parameters.has("portal") {
+                parameters.pass_over(&["portal"]);
+                let instead = "light comes from everywhere, in pbrt through the portal alone: they agree where nothing else is open";
+                output.approximated(&parameters.place, "the portal of an infinite light", instead);
+            }
             match parameters.text("filename")? {
                 Some(name) => infinite::read(name, parameters, to_world, output)?,
                 None => {
@@ -139,13 +143,6 @@ fn with_illuminance(color: [f64; 3], irradiance: f64, parameters: &Parameters) -
         Some(illuminance) => color.map(|channel| channel * illuminance / irradiance),
         None => color,
     })
-}
-
-fn refuse(parameters: &Parameters, name: &str, remedy: &str) -> Result<(), SceneError> {
-    match parameters.find(name) {
-        Some(parameter) => Err(parameter.error("it is not supported", remedy)),
-        None => Ok(()),
-    }
 }
 
 /// Reads the light of the shapes that come after `AreaLightSource`.
