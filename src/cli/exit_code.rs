@@ -1,8 +1,10 @@
 //! Exit codes, and the errors that lead to them.
 
 use std::fmt::Display;
+use std::path::Path;
 use std::process::ExitCode;
 
+use super::scene_file::in_users_file;
 use crate::api::problem::Problem;
 use crate::estimate::picture_files::PictureFileError;
 use crate::scene::error::SceneError;
@@ -53,6 +55,15 @@ impl CliError {
             Self::Worse(_) => 6,
             Self::Interrupted => 130,
         })
+    }
+
+    /// The same about a scene that was packed from the file at `path`.
+    pub(super) fn about(self, path: &Path) -> Self {
+        match self {
+            Self::BadInput(text) => Self::BadInput(in_users_file(&text, path)),
+            Self::Failed(text) => Self::Failed(in_users_file(&text, path)),
+            other => other,
+        }
     }
 
     /// An error without a code of its own.

@@ -4,11 +4,15 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::client::Client;
+use super::exit_code::CliError;
+use super::scene_file::in_users_file;
 use super::scene_options::SceneOptions;
 use super::stop_options::StopOptions;
+use super::terminal;
 use crate::api::jobs::JobSubmission;
 use crate::farm::cut::Cut;
-use crate::farm::job::Priority;
+use crate::farm::job::{JobStatus, Priority};
 
 /// A scene and how to render it.
 #[derive(Clone, Debug, Args)]
@@ -52,8 +56,18 @@ pub(super) struct JobOptions {
 }
 
 impl JobOptions {
+    /// Uploads the scene and submits the job, and tells its notices. What is said of the scene names the user's file.
+    pub(super) async fn send(&self, client: &Client, scene: Vec<u8>) -> Result<JobStatus, CliError> {
+        let submitted = async { client.submit(&self.submission(client.upload_scene(scene).await?)).await };
+        let job = submitted.await.map_err(|error| error.about(&self.scene))?;
+        for notice in &job.notices {
+            terminal::note(&format!("note: {}", in_users_file(notice, &self.scene)));
+        }
+        Ok(job)
+    }
+
     /// The request for a scene that was uploaded as `scene`.
-    pub(super) fn submission(&self, scene: String) -> JobSubmission {
+    fn submission(&self, scene: String) -> JobSubmission {
         let length = self.length.map(|length| ("length".to_owned(), length.into()));
         let strategy = self.strategy.clone().map(|strategy| ("strategy".to_owned(), strategy.into()));
         JobSubmission {

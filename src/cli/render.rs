@@ -64,23 +64,17 @@ impl Render {
     }
 
     async fn render(&self, client: &Client, scene: Vec<u8>, threads: usize) -> Result<(), CliError> {
-        let submitted = async {
-            let hash = client.upload_scene(scene).await?;
-            client.submit(&self.job.submission(hash)).await
-        };
         let job = tokio::select! {
-            job = submitted => job?,
+            job = self.job.send(client, scene) => job?,
             interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
         };
-        for notice in &job.notices {
-            terminal::note(&format!("note: {notice}"));
-        }
         let strategies = self.weight_maps.as_ref().map(|_| weight_maps::strategies(&job)).transpose()?;
         let mut progress = Progress::new();
         let (status, interrupted) = follow_or_cancel(client, &job.id, &mut progress).await?;
         progress.finish();
         if status.state == JobState::Failed {
-            return Err(CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned())));
+            let error = CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()));
+            return Err(error.about(&self.job.scene));
         }
         let written = self.output.write(client, &status.id).await?;
         terminal::note(&rates(&status, threads));

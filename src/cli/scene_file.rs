@@ -44,6 +44,16 @@ fn pack_defined(path: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
     define_in_xml(&bytes, defines).map_err(|error| cannot_define(error.to_string()))
 }
 
+/// What a farm says of a scene that was packed from the file at `path`, with the file's own name where it names the scene itself.
+pub(super) fn in_users_file(text: &str, path: &Path) -> String {
+    let rest_after = |name| text.strip_prefix(name).filter(|rest| rest.starts_with([':', ' ']));
+    let packed = import::packed_names().find_map(rest_after);
+    match (packed, path.file_name()) {
+        (Some(rest), Some(name)) => format!("{}{rest}", name.to_string_lossy()),
+        _ => text.to_owned(),
+    }
+}
+
 /// Whoever sends a scene that came from elsewhere sees what else it takes along.
 fn tell_of_files_above(bytes: &[u8]) {
     let Some(scene) = scene_in_comment(bytes) else { return };

@@ -24,11 +24,7 @@ pub(super) struct Submit {
 impl Submit {
     pub(super) async fn run(self) -> Result<(), CliError> {
         let client = self.coordinator.client()?;
-        let hash = client.upload_scene(self.job.options.pack(&self.job.scene)?).await?;
-        let job = client.submit(&self.job.submission(hash)).await?;
-        for notice in &job.notices {
-            terminal::note(&format!("note: {notice}"));
-        }
+        let job = self.job.send(&client, self.job.options.pack(&self.job.scene)?).await?;
         if self.json { terminal::json(&job) } else { terminal::result(&job.id) }
     }
 }

@@ -55,6 +55,6 @@ impl PreparedScenes {
 
 /// From the bytes of an upload to a scene that can be rendered. Coordinator and workers read scenes alike.
 pub fn prepare_scene(bytes: &[u8]) -> Result<Scene, SceneError> {
-    let description = crate::import::load_bytes("scene", bytes, &[])?;
+    let description = crate::import::load_bytes(crate::import::UNNAMED, bytes, &[])?;
     Scene::prepare(&description)
 }

@@ -251,7 +251,7 @@ pub fn with_changes(bytes: &[u8], changes: &Changes) -> Result<Vec<u8>, SceneErr
     if changes.is_empty() {
         return Ok(bytes.to_vec());
     }
-    let place = Location { file: "scene".to_owned(), ..Location::default() };
+    let place = Location { file: super::UNNAMED.to_owned(), ..Location::default() };
     let found = format(bytes, &place)?;
     let mut known = Changes::default();
     let mut files = match found {

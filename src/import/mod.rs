@@ -42,7 +42,7 @@ use crate::scene::error::{Location, SceneError};
 use changes::Changes;
 use draft::Reading;
 
-pub use pack::pack;
+pub use pack::{UNNAMED, pack, packed_names};
 
 /// How deep plugins and values may nest, and how long a chain of references may be.
 const DEPTH_LIMIT: usize = 64;

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{Format, Source, format, read_source, scene_file};
+use super::{Format, STANDARD_NAMES, Source, format, read_source, scene_file};
 use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, normalized_name, steps_up, without_common_folder};
 use crate::scene::error::{Location, SceneError};
 
@@ -125,6 +125,14 @@ pub(super) fn standard_name(format: Format) -> &'static str {
         Format::Pbrt => "scene.pbrt",
         Format::Json | Format::Zip => "scene.json",
     }
+}
+
+/// What scenes are called that came without a name of their own.
+pub const UNNAMED: &str = "scene";
+
+/// What a packed scene may be called in messages instead of its file's name.
+pub fn packed_names() -> impl Iterator<Item = &'static str> {
+    std::iter::once(UNNAMED).chain(STANDARD_NAMES)
 }
 
 /// A zip archive whose bytes depend on the files' names and contents only.

@@ -122,6 +122,32 @@ fn a_missing_scene_is_a_file_error() {
     assert_eq!(std::fs::read_dir(folder.path()).expect("lists").count(), 0, "no file is left behind");
 }
 
+/// A scene of one file travels without its name.
+#[test]
+fn what_the_farm_says_of_a_scene_names_the_user_s_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = |light: &str| {
+        format!(
+            "<scene version='3.0.0'>\n<sensor type='perspective'><film type='hdrfilm'><integer name='width' value='8'/>
+            <integer name='height' value='8'/></film></sensor>\n<shape type='sphere'/>{light}</scene>"
+        )
+    };
+    let render = |text: &str, more: &[&str]| {
+        std::fs::write(folder.path().join("my.xml"), text).expect("writes");
+        let arguments = [&["render", "my.xml", "--passes", "1", "-o", "a.exr"], more].concat();
+        program(&arguments).current_dir(folder.path()).output().expect("starts")
+    };
+    // Small pictures are packed with their size, which gives the scene a name of its own.
+    for more in [[].as_slice(), &["--size", "4"]] {
+        let stderr =
+            failure(&render(&scene("<emitter type='constant'><float name='radiance' value='0'/></emitter>"), more), 3);
+        assert!(stderr.contains("my.xml:1 (scene): nothing in the scene emits light"), "{stderr}");
+        let unseen = "<emitter type='area'/><emitter type='constant'/>";
+        let stderr = String::from_utf8_lossy(&render(&scene(unseen), more).stderr).into_owned();
+        assert!(stderr.contains("note: my.xml:"), "{stderr}");
+    }
+}
+
 #[test]
 fn a_malformed_scene_is_bad_input_with_its_place() {
     let folder = tempfile::tempdir().expect("a folder");
