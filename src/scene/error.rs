@@ -45,8 +45,28 @@ fn remedy_suffix(remedy: &str) -> String {
 impl SceneError {
     /// An error at `location`.
     pub fn new(location: &Location, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { location: location.clone(), problem: problem.into(), remedy: remedy.into() }
+        let [problem, remedy] = [problem.into(), remedy.into()].map(with_short_numbers);
+        Self { location: location.clone(), problem, remedy }
     }
+}
+
+/// A message in which no number has hundreds of digits: long ones are written with an exponent.
+fn with_short_numbers(text: String) -> String {
+    const LONGEST: usize = 20;
+    let is_digit = |letter: char| letter.is_ascii_digit() || letter == '.';
+    let mut short = String::with_capacity(text.len());
+    let mut rest = text.as_str();
+    while let Some(start) = rest.find(is_digit) {
+        let (before, number) = rest.split_at(start);
+        let (number, after) = number.split_at(number.find(|letter| !is_digit(letter)).unwrap_or(number.len()));
+        short.push_str(before);
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > LONGEST && value.is_finite() => short.push_str(&format!("{value:e}")),
+            _ => short.push_str(number),
+        }
+        rest = after;
+    }
+    short + rest
 }
 
 /// The known name closest to `name`, as a remedy: `did you mean "…"?`, or the list of known names when none is close.

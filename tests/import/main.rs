@@ -12,6 +12,7 @@ mod cases_of_formats;
 mod ceng795;
 mod gltf;
 mod gltf_errors;
+mod messages;
 mod mgf;
 mod mitsuba_cases;
 mod mitsuba_plugins;

@@ -209,7 +209,7 @@ impl<'a> Primitive<'a> {
             texture_coordinates: self.all(self.coordinates.as_ref(), &vertices, "TEXCOORD")?,
             tangents: self.all(self.tangents.as_ref(), &vertices, "TANGENT")?,
             triangles,
-            attributes: self.colors(&vertices)?.into_iter().collect(),
+            attributes: self.colors(&vertices, output)?.into_iter().collect(),
             face_normals: false,
         };
         // Whatever is not negative is a right hand.
@@ -223,8 +223,16 @@ impl<'a> Primitive<'a> {
     }
 
     /// The colors of vertices, held to 0 to 1 as the format says; alpha does not count.
-    fn colors(&self, vertices: &[u32]) -> Result<Option<MeshValues>, SceneError> {
+    fn colors(&self, vertices: &[u32], output: &mut Output) -> Result<Option<MeshValues>, SceneError> {
         let colors: Vec<[f32; 3]> = self.all(self.colors.as_ref(), vertices, COLORS)?;
+        if colors.as_flattened().iter().any(|number| !(0.0..=1.0).contains(number)) {
+            let explanation = "glTF holds them to that";
+            output.notices.add(Notice::approximated(
+                &self.entry.location(),
+                "a vertex color beyond 0 to 1",
+                explanation,
+            ));
+        }
         let numbers: Vec<f32> = colors.into_iter().flatten().map(|number| number.clamp(0.0, 1.0)).collect();
         Ok((!numbers.is_empty()).then(|| MeshValues { name: VERTEX_COLOR.to_owned(), channels: 3, numbers }))
     }

@@ -39,7 +39,11 @@ pub(super) fn interior(material: &Entry<'_>) -> Result<Option<Draft>, SceneError
     let Some(volume) = volume(material)?.filter(|volume| lets_through && volume.has("attenuationDistance")) else {
         return Ok(None);
     };
-    let distance = volume.number_within("attenuationDistance", f64::INFINITY, f64::MIN_POSITIVE, f64::INFINITY)?;
+    let distance = volume.number_within("attenuationDistance", f64::INFINITY, 0.0, f64::INFINITY)?;
+    if distance == 0.0 {
+        let place = volume.get("attenuationDistance").unwrap_or_else(|| volume.clone());
+        return Err(place.error("\"attenuationDistance\" is 0", "give a length above 0, or leave it out"));
+    }
     let color = volume.color("attenuationColor", [1.0; 3])?;
     if color == [1.0; 3] {
         return Ok(None);

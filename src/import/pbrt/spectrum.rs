@@ -65,10 +65,13 @@ pub(super) fn read(parameter: &Parameter, purpose: Purpose, output: &mut Output<
         ("spectrum", Values::Texts(_)) => named(parameter, parameter.text()?, purpose, output)?,
         (kind, _) => return Err(parameter.error(format!("{kind} is no type of a color"), "write \"rgb\" and its name")),
     };
-    if color.iter().all(|channel| (0.0..1e30).contains(channel)) {
-        return Ok(color);
+    match color.into_iter().find(|channel| !(0.0..1e30).contains(channel)) {
+        None => Ok(color),
+        Some(channel) => {
+            let problem = format!("a channel of the color is {channel:e}");
+            Err(parameter.error(problem, "give numbers of at least 0 and below 1e30"))
+        }
     }
-    Err(parameter.error("the color is negative or too bright", "give numbers of at least 0"))
 }
 
 /// The luminance of linear Rec. 709.

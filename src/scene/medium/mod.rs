@@ -111,7 +111,11 @@ const MOST_FREE_PATHS: f32 = 1e4;
 /// Refuses extinctions, at most `largest`, m⁻¹, that flights cannot be sampled for; a grid's `size` is in m.
 fn check_extinction(node: &Node, largest: f32, size: Option<f32>, scatters: bool) -> Result<(), SceneError> {
     let refused = |problem: String| {
-        Err(SceneError::new(&node.location, problem, "give a smaller \"sigma_t\" or \"scale\"; both are in m⁻¹"))
+        Err(SceneError::new(
+            &node.location,
+            problem,
+            "make it thinner: give a smaller \"sigma_t\", or \"sigma_a\" and \"sigma_s\", or \"scale\"",
+        ))
     };
     if !largest.is_finite() {
         return refused("the extinction of the medium does not fit into single precision".to_owned());

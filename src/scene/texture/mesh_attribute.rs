@@ -27,6 +27,10 @@ pub struct MeshAttribute {
     pub corners: Arc<[[u32; 3]]>,
 }
 
+/// How PLY files name attributes.
+const IN_PLY_FILES: &str = "in a PLY file, one property or three in a row are an attribute \"vertex_heat\": heat_0 to heat_2, heat_1 to \
+    heat_3 or heat_x to heat_z";
+
 /// An attribute of the shape that the texture belongs to.
 #[derive(Clone, Debug)]
 pub struct AttributeTexture {
@@ -70,7 +74,7 @@ impl AttributeTexture {
                 }
                 false => nearest_name(name, &known),
             };
-            return Err(fields.error("name", problem, remedy));
+            return Err(fields.error("name", problem, format!("{remedy}; {IN_PLY_FILES}")));
         };
         let (values, corners) = (attribute.values.clone(), attribute.corners.clone());
         let sum: glam::DVec3 = values.iter().map(|value| value.as_dvec3()).sum();
