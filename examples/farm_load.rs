@@ -113,7 +113,7 @@ impl Client {
         let method = lease.job.method.ok_or("no method")?;
         Ok(match lease.work {
             LeasedWork::Shard(terms) => {
-                let declaration = method::declaration(&method)?;
+                let declaration = method::declaration(&method);
                 Outcome::Tally(encode_tally(&Tally::zero(terms.planned.shard, lease.job.width, &declaration)))
             }
             LeasedWork::Pilot => {

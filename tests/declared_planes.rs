@@ -52,7 +52,7 @@ fn ratio(denominator: &str) -> PlaneRule {
 
 /// Radiance, a chain's picture over its normalization, and a share of which each pixel knows its own denominator.
 fn with_ratios() -> Declaration {
-    let mut declaration = Declaration::radiance_only(RadiusRule::Schedule, 1.0);
+    let mut declaration = Declaration::radiance_only();
     declaration.scalars.push(ScalarDeclaration { name: "chain_weight".to_owned(), rule: ScalarRule::Sum });
     declaration.planes.extend([
         plane("chain", 3, ratio("chain_weight"), true),

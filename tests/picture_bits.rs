@@ -58,7 +58,7 @@ fn run(scene: &Arc<Scene>, checked: &CheckedMethod) -> Estimate {
     let never = AtomicBool::new(false);
     let renderer = Renderer::new(scene.clone(), checked, SEED).expect("the method can be prepared");
     let regions = vec![Region { row_start: 0, row_end: CUT }, Region { row_start: CUT, row_end: scene.height }];
-    let mut plan = Plan::new(scene.width, scene.height, 1, Some(PASSES), checked.radius_rule);
+    let mut plan = Plan::new(scene.width, scene.height, 1, Some(PASSES), renderer.declaration().radius_rule);
     (plan.regions, plan.passes_per_shard, plan.shards_per_epoch) = (regions, 2, 4);
     let mut estimate = begin(scene, &renderer, &plan.regions);
     let mut fields: BTreeMap<(u32, u32), RadiusField> = BTreeMap::new();

@@ -14,7 +14,7 @@ use photonfarm::farm::wire::planes;
 use photonfarm::farm::wire::radius;
 use photonfarm::farm::wire::result::{decode_checked_tally, decode_pilot, decode_tally, encode_pilot, encode_tally};
 use photonfarm::math::{Rgb, Vec3};
-use photonfarm::method::{CheckedMethod, FIRST_RADIUS_SQUARED, MethodChoice, PilotField};
+use photonfarm::method::{self, FIRST_RADIUS_SQUARED, MethodChoice, PilotField};
 use photonfarm::render::Pilot;
 use photonfarm::render::first_surface::FirstSurface;
 use proptest::prelude::*;
@@ -47,14 +47,8 @@ fn first_radii(values: Vec<f32>) -> PilotField {
 }
 
 fn job() -> JobDescription {
-    let choice = MethodChoice { name: "sppm".into(), parameters: serde_json::Map::from_iter([("a".into(), 1.into())]) };
-    let method = CheckedMethod {
-        choice,
-        radius_rule: RadiusRule::Statistics,
-        alpha: 2.0 / 3.0,
-        photons_per_pass: 1000,
-        passes: 64,
-    };
+    let parameters = serde_json::Map::from_iter([("passes".into(), 64.into())]);
+    let method = method::check(&MethodChoice { name: "sppm".into(), parameters }, 4096).expect("good parameters");
     JobDescription {
         id: JobId::new(77),
         scene: "ab".repeat(32),
@@ -156,7 +150,7 @@ fn impossible_radii_are_refused() {
     assert!(refused(&pilot(vec![first_radii(vec![0.0])], 1), &gathering()), "no radius");
     assert!(refused(&pilot(vec![first_radii(vec![1.0; 2])], 1), &gathering()), "too many radii");
     assert!(refused(&pilot(Vec::new(), 1), &gathering()), "no radii");
-    let radiance_only = Declaration::radiance_only(RadiusRule::Schedule, 1.0);
+    let radiance_only = Declaration::radiance_only();
     assert!(!refused(&pilot(Vec::new(), 1), &radiance_only));
     assert!(refused(&pilot(vec![first_radii(vec![1.0])], 1), &radiance_only), "radii that nobody needs");
     let wrong_map = PilotField { name: "importance".to_owned(), values: vec![f32::NAN] };

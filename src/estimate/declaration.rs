@@ -117,8 +117,12 @@ impl PlaneDeclaration {
 }
 
 impl Declaration {
-    /// Methods that gather nothing: radiance is their only plane.
-    pub fn radiance_only(radius_rule: RadiusRule, alpha: f64) -> Self {
+    /// Methods that gather nothing: radiance is their only plane. The rule by which no radius shrinks sends none either.
+    pub fn radiance_only() -> Self {
+        Self::with_radiance(RadiusRule::Schedule, 1.0)
+    }
+
+    fn with_radiance(radius_rule: RadiusRule, alpha: f64) -> Self {
         let planes = vec![PlaneDeclaration::new(RADIANCE, 3, PlaneRule::Sum, true)];
         let count = |name: &&str| ScalarDeclaration { name: (*name).to_owned(), rule: ScalarRule::Count };
         let scalars = [PHOTONS_EMITTED, PHOTONS_STORED, RAYS, NON_FINITE].iter().map(count).collect();
@@ -127,7 +131,7 @@ impl Declaration {
 
     /// Methods that gather photons in discs. They count them only where the count shrinks the radius.
     pub fn gathering(radius_rule: RadiusRule, alpha: f64) -> Self {
-        let mut declaration = Self::radiance_only(radius_rule, alpha);
+        let mut declaration = Self::with_radiance(radius_rule, alpha);
         let planes = &mut declaration.planes;
         planes.push(PlaneDeclaration::new(FLUX, 3, PlaneRule::FluxOverRadius, true));
         if radius_rule == RadiusRule::Statistics {

@@ -16,47 +16,94 @@
 //!
 //! Limits: the radius stays, so a bias stays: `pbdpm` shrinks it.
 
-use super::bidirectional_parameters::{
-    BidirectionalParameters, CAMERA_HITS, HEURISTIC, INITIAL_RADIUS, LENGTH, LIGHT_HITS, MAX_DEPTH, PASSES, PHOTONS,
-    RR_DEPTH, SHOW, STRATEGY, WEIGHTS,
+use std::sync::Arc;
+
+use super::bidirectional_settings::{MergeSettings, PassSettings, Paths, photon_techniques};
+use super::parameter_values::{
+    All, Auto, Depth, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch, Weights, bounded,
 };
-use super::bidirectional_pass::Recipe;
-use super::parameters::help;
-use super::{Bias, MethodEntry, ParameterHelp, blind_to_nothing};
-
-const PARAMETERS: &[ParameterHelp] = &[
-    PHOTONS,
-    INITIAL_RADIUS,
-    help("kernel", "how photons count by their distance", "disc, cone, epanechnikov", "disc"),
-    help("neighbors", "only the nearest photons, within the radius; 0 for all", "0, 2 to 65536", "0"),
-    WEIGHTS,
-    LIGHT_HITS,
-    CAMERA_HITS,
-    HEURISTIC,
-    STRATEGY,
-    SHOW,
-    MAX_DEPTH,
-    RR_DEPTH,
-    LENGTH,
-    PASSES,
-];
-
-const RECIPE: Recipe =
-    Recipe { name: "bdpm", parameters: PARAMETERS, techniques: BidirectionalParameters::photon_techniques };
+use super::parameters::{ParameterSet, parameter, parameters, read_method};
+use super::shared_parameters::{
+    CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, SHOW, STRATEGY,
+    SUBPATH_RR_DEPTH, WEIGHTS,
+};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
+use crate::scene::Scene;
+use crate::transport::bidirectional::{Heuristic, Show};
+use crate::transport::kernel::Kernel;
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: RECIPE.name,
+    name: "bdpm",
     summary: "bidirectional photon mapping: photons at every camera vertex, weighted in pairs",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011",
     bias: Bias::Stays,
-    parameters: RECIPE.parameters,
+    parameters: Parameters::HELP,
     negative_lobes: true,
     media: false,
-    strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
-    blind_to: blind_to_nothing,
-    check: |choice, pixels| RECIPE.check(choice, pixels),
-    declare: |method| RECIPE.declare(method),
-    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
+    read: read_method::<Parameters>,
 };
+
+bounded! {
+    /// A number of nearest photons, 0 for all.
+    struct Nearest(u32), "0, 2 to 65536", |number| number == 0 || 2 <= number && number <= 65_536
+}
+
+parameters! {
+    /// Parameters of `bdpm`.
+    struct Parameters {
+        photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
+        initial_radius: Auto<Radius> = MERGING_RADIUS,
+        kernel: Kernel = parameter("how photons count by their distance", Kernel::Disc, "disc"),
+        neighbors: Nearest = parameter(
+            "only the nearest photons, within the radius; 0 for all",
+            Nearest::new(0).expect("in range"),
+            "0",
+        ),
+        weights: Weights = WEIGHTS,
+        light_hits: Switch = LIGHT_HITS,
+        camera_hits: Switch = CAMERA_HITS,
+        heuristic: Heuristic = HEURISTIC,
+        strategy: All<Subpaths> = STRATEGY,
+        show: Show = SHOW,
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
+        length: All<PathLength> = LENGTH,
+        passes: Passes = PASSES,
+    }
+}
+
+impl Parameters {
+    /// What passes do.
+    fn settings(&self) -> PassSettings {
+        let (techniques, measure) = (photon_techniques(self.light_hits, self.camera_hits), self.weights.measure());
+        let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
+        let paths = Paths { max_depth, rr_depth, length, strategy, show };
+        let (first_radius, kernel, neighbors) = (self.initial_radius.meters(), self.kernel, self.neighbors.get());
+        let merging = MergeSettings { first_radius, kernel, neighbors };
+        PassSettings { heuristic: self.heuristic, measure, merging, ..PassSettings::new(techniques, &paths) }
+    }
+}
+
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        self.photons_per_pass.settle(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        Gathering::FixedDiscs
+    }
+
+    fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
+        Some(self.settings().strategies(longest))
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        self.settings().prepare(scene, photons_per_pass, seed)
+    }
+}

@@ -14,40 +14,76 @@
 //! Limits: paths on which a specular surface follows wherever they could be joined (a caustic seen in a mirror) are found only when
 //! they hit a lamp by chance.
 
-use super::bidirectional_parameters::{
-    BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH, SHOW, STRATEGY,
-};
-use super::bidirectional_pass::Recipe;
-use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
-use crate::transport::bidirectional::Techniques;
+use std::sync::Arc;
 
-const PARAMETERS: &[ParameterHelp] = &[HEURISTIC, STRATEGY, SHOW, MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
-
-const RECIPE: Recipe = Recipe { name: "bdpt", parameters: PARAMETERS, techniques };
+use super::bidirectional_settings::{PassSettings, Paths};
+use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, Subpaths, one_per_pixel};
+use super::parameters::{ParameterSet, parameters, read_method};
+use super::shared_parameters::{HEURISTIC, LENGTH, MAX_DEPTH, PASSES, SHOW, STRATEGY, SUBPATH_RR_DEPTH};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
+use crate::scene::Scene;
+use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: RECIPE.name,
+    name: "bdpt",
     summary: "bidirectional path tracing: every light and camera vertex connected",
     cannot_sample: "light of point, spot and directional lights through glass onto what glass or mirrors show",
     reference: "Lafortune & Willems 1993; Veach 1997, chapter 10",
     bias: Bias::None,
-    parameters: RECIPE.parameters,
+    parameters: Parameters::HELP,
     negative_lobes: true,
     media: false,
-    strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
-    blind_to,
-    check: |choice, pixels| RECIPE.check(choice, pixels),
-    declare: |method| RECIPE.declare(method),
-    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
+    read: read_method::<Parameters>,
 };
 
-fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
-    Techniques::ALL_CONNECTIONS
+parameters! {
+    /// Parameters of `bdpt`.
+    struct Parameters {
+        heuristic: Heuristic = HEURISTIC,
+        strategy: All<Subpaths> = STRATEGY,
+        show: Show = SHOW,
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
+        length: All<PathLength> = LENGTH,
+        passes: Passes = PASSES,
+    }
 }
 
-fn blind_to(_: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
-    (traits.point_lights && traits.specular)
-        .then_some("light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
-                    glass; sppm and vcm do")
+impl Parameters {
+    /// What passes do.
+    fn settings(&self) -> PassSettings {
+        let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
+        let paths = Paths { max_depth, rr_depth, length, strategy, show };
+        PassSettings { heuristic: self.heuristic, ..PassSettings::new(Techniques::ALL_CONNECTIONS, &paths) }
+    }
+}
+
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        one_per_pixel(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        Gathering::Nothing
+    }
+
+    fn blind_to(&self, traits: SceneTraits) -> Option<&'static str> {
+        (traits.point_lights && traits.specular).then_some(
+            "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
+             glass; sppm and vcm do",
+        )
+    }
+
+    fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
+        Some(self.settings().strategies(longest))
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        self.settings().prepare(scene, photons_per_pass, seed)
+    }
 }

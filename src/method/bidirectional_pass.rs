@@ -10,23 +10,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::bidirectional_parameters::BidirectionalParameters;
-use super::parameters::{Auto, DirectLight};
+use super::bidirectional_settings::{MergeSettings, PassSettings};
+use super::parameter_values::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{CheckedMethod, MethodChoice, MethodError, ParameterHelp, Pass, PilotPass, PreparedMethod, Strategy};
-use crate::estimate::{Declaration, PixelTally, Region};
+use super::{Pass, PilotPass, PreparedMethod};
+use crate::estimate::{PixelTally, Region};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
+use crate::transport::Counters;
 use crate::transport::bidirectional::{
-    CameraWalk, LightWalk, MergeRecord, Merging, Selection, StoredVertex, Techniques, Vertex, Weighting, connect,
-    direct_light, merge, merge_records, to_camera,
+    CameraWalk, LightWalk, MergeRecord, Merging, StoredVertex, Techniques, Vertex, Weighting, connect, direct_light,
+    merge, merge_records, to_camera,
 };
 use crate::transport::first_radius::FIRST_GATHER_PHOTONS;
-use crate::transport::kernel::Kernel;
 use crate::transport::photon_map::{Gathered, Grid, Nearest, Photon, PhotonChunk, PhotonMap};
 use crate::transport::photon_tracing::stored;
-use crate::transport::{Counters, Limits};
 
 /// Light subpaths per chunk, which one thread traces.
 const PATHS_PER_CHUNK: u32 = 2048;
@@ -37,71 +36,13 @@ const MERGED_SHARE: f32 = 0.25;
 /// Where the nearest photons give the radius, the search ends at so many times the area that they are expected in.
 const SEARCHED_AREA: f32 = 4.0;
 
-/// What makes a method of this family: its name, its parameters, and the techniques that these choose.
-pub struct Recipe {
-    /// Name in the table.
-    pub name: &'static str,
-    /// Its parameters.
-    pub parameters: &'static [ParameterHelp],
-    /// Its techniques.
-    pub techniques: fn(&BidirectionalParameters) -> Techniques,
-}
-
-impl Recipe {
-    /// Checks a choice for a picture of so many pixels.
-    pub fn check(&self, choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-        let parameters = BidirectionalParameters::read(self.name, choice, self.parameters)?;
-        let techniques = (self.techniques)(&parameters);
-        Ok(parameters.checked(self.name, self.parameters, techniques, pixels))
-    }
-
-    /// What tallies of a checked choice hold: without merging, radiance alone.
-    pub fn declare(&self, method: &CheckedMethod) -> Result<Declaration, MethodError> {
-        let parameters = BidirectionalParameters::read(self.name, &method.choice, self.parameters)?;
-        let merges = (self.techniques)(&parameters).any(Techniques::MERGE);
-        let declare = if merges { Declaration::gathering } else { Declaration::radiance_only };
-        Ok(declare(method.radius_rule, method.alpha))
-    }
-
-    /// Prepares a checked choice for a scene.
-    pub fn prepare(
-        &self,
-        scene: Arc<Scene>,
-        method: &CheckedMethod,
-        seed: u64,
-    ) -> Result<Box<dyn PreparedMethod>, MethodError> {
-        let parameters = BidirectionalParameters::read(self.name, &method.choice, self.parameters)?;
-        let techniques = (self.techniques)(&parameters);
-        Ok(Box::new(BidirectionalPasses::new(scene, method, &parameters, techniques, seed)))
-    }
-
-    /// The strategies of a choice: those of the paths that it looks at, else of all from 2 to `longest` segments.
-    pub fn strategies(&self, choice: &MethodChoice, longest: u32) -> Result<Vec<Strategy>, MethodError> {
-        let parameters = BidirectionalParameters::read(self.name, choice, self.parameters)?;
-        let (techniques, limits, selection) =
-            ((self.techniques)(&parameters), parameters.limits(), parameters.selection());
-        let lengths = selection.length.map_or(2..=longest, |length| length..=length);
-        let of_length = |segments: u32| {
-            let pairs = techniques
-                .strategies(segments)
-                .filter(move |[light, camera]| selection.takes(segments, *light, *camera));
-            pairs.map(move |[light, camera]| Strategy { segments, light, camera })
-        };
-        Ok(lengths.filter(|segments| limits.allows(*segments)).flat_map(of_length).collect())
-    }
-}
-
-/// A scene and techniques, ready to trace.
+/// A scene and settings, ready to trace.
 pub struct BidirectionalPasses {
     scene: Arc<Scene>,
     seed: u64,
-    limits: Limits,
+    settings: PassSettings,
     weighting: Weighting,
-    selection: Selection,
     light_paths: u32,
-    kernel: Kernel,
-    /// Only so many photons are merged with a vertex; 0 for all within the radius.
-    neighbors: u32,
     /// Finds first radii as `sppm` does.
     pilot: PhotonPasses,
 }
@@ -137,41 +78,32 @@ impl LightPaths {
 }
 
 impl BidirectionalPasses {
-    /// A method that shares paths among `techniques`.
-    pub fn new(
-        scene: Arc<Scene>,
-        method: &CheckedMethod,
-        parameters: &BidirectionalParameters,
-        techniques: Techniques,
-        seed: u64,
-    ) -> Self {
-        let limits = parameters.limits();
-        let light_paths = method.photons_per_pass;
+    /// Passes with `light_paths` light subpaths each.
+    pub fn new(scene: Arc<Scene>, settings: PassSettings, light_paths: u32, seed: u64) -> Self {
         let pilot = PhotonPasses {
             scene: scene.clone(),
             seed,
-            limits,
+            limits: settings.limits,
             direct: DirectLight::Photons,
             follows_narrow: true,
             photons_per_pass: light_paths,
-            first_radius: parameters.first_radius(),
+            first_radius: settings.merging.first_radius,
         };
-        let weighting = parameters.weighting(techniques, light_paths);
-        let (selection, kernel, neighbors) = (parameters.selection(), parameters.kernel, parameters.neighbors);
-        Self { scene, seed, limits, weighting, selection, light_paths, kernel, neighbors, pilot }
+        let weighting = settings.weighting(light_paths);
+        Self { scene, seed, settings, weighting, light_paths, pilot }
     }
 
     fn uses(&self, techniques: Techniques) -> bool {
-        self.weighting.techniques.any(techniques)
+        self.settings.uses(techniques)
     }
 
     fn camera_walk<'a>(&'a self, random: &'a PassRandom) -> CameraWalk<'a> {
-        let Self { mut limits, weighting, selection, .. } = *self;
-        if weighting.techniques == Techniques::CAMERA {
+        let PassSettings { techniques, mut limits, selection, .. } = self.settings;
+        if techniques == Techniques::CAMERA {
             // All that is left to camera subpaths is light that is seen directly.
             limits.max_depth = Some(1);
         }
-        CameraWalk { scene: &self.scene, limits, weighting, selection, random }
+        CameraWalk { scene: &self.scene, limits, weighting: self.weighting, selection, random }
     }
 
     /// ηᵝ of a pixel, counted in the region.
@@ -180,13 +112,14 @@ impl BidirectionalPasses {
             return 0.0;
         }
         let radius_squared = pass.radius_squared[pixel] * pass.scale;
-        let area_share = if self.neighbors == 0 { radius_squared } else { radius_squared / SEARCHED_AREA };
+        let area_share =
+            if self.settings.merging.neighbors == 0 { radius_squared } else { radius_squared / SEARCHED_AREA };
         self.weighting.acceptance(area_share)
     }
 
     /// Traces the light subpaths `paths`.
     fn light_chunk(&self, pass: &Pass<'_>, random: &PassRandom, paths: Range<u32>) -> LightChunk {
-        let walk = LightWalk { scene: &self.scene, limits: self.limits, weighting: self.weighting, random };
+        let walk = LightWalk { scene: &self.scene, limits: self.settings.limits, weighting: self.weighting, random };
         let mut chunk = LightChunk::default();
         let LightChunk { vertices, ends, photons, splats, counters } = &mut chunk;
         for path in paths {
@@ -218,7 +151,7 @@ impl BidirectionalPasses {
         splats: &mut Vec<(u32, Rgb)>,
         counters: &mut Counters,
     ) {
-        let Some(seen) = to_camera(walk, &self.selection, vertex, random, counters) else { return };
+        let Some(seen) = to_camera(walk, &self.settings.selection, vertex, random, counters) else { return };
         let region = pixels_of(pass.region, self.scene.width);
         let film = &self.scene.film;
         // Without a border nothing that lies beyond an edge counts within.
@@ -229,7 +162,7 @@ impl BidirectionalPasses {
                     let pixel = pixel - region.start;
                     let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
                     let radiance = seen.radiance * (filter / self.weighting.light_paths);
-                    splats.push((pixel, self.selection.shown(radiance, weight)));
+                    splats.push((pixel, self.settings.selection.shown(radiance, weight)));
                 }
             });
         }
@@ -281,7 +214,7 @@ impl BidirectionalPasses {
         }
         let (low, high) = self.scene.geometry.bounds();
         // The search for the nearest begins with two cells, about where it ends.
-        let cells_per_radius = if self.neighbors == 0 { 0.5 } else { 4.0 };
+        let cells_per_radius = if self.settings.merging.neighbors == 0 { 0.5 } else { 4.0 };
         let cell = pass.typical_radius_squared.sqrt() / cells_per_radius;
         let grid = Grid::new(low, high, cell, 4 * u64::from(self.light_paths).max(1 << 14));
         let sorted: Vec<PhotonChunk> =
@@ -323,8 +256,8 @@ impl CameraPass<'_> {
                 radiance += connect(walk, camera, light, random, acceptance, counters);
             }
             if let Some(map) = &paths.map {
-                let (records, kernel, neighbors) = (paths.records.as_slice(), passes.kernel, passes.neighbors);
-                let merging = Merging { map, records, kernel, neighbors };
+                let MergeSettings { kernel, neighbors, .. } = passes.settings.merging;
+                let merging = Merging { map, records: &paths.records, kernel, neighbors };
                 let radius_squared = pass.radius_squared[pixel] * pass.scale;
                 gathered.add(&merge(walk, camera, &merging, radius_squared, acceptance, nearest), Rgb::ONE);
             }
@@ -372,7 +305,7 @@ impl PreparedMethod for BidirectionalPasses {
         if self.uses(Techniques::MERGE) {
             let (mut radii, counters) = self.pilot.pilot(cancel)?;
             if self.pilot.first_radius == Auto::Auto {
-                let share = match self.neighbors {
+                let share = match self.settings.merging.neighbors {
                     0 => MERGED_SHARE,
                     neighbors => SEARCHED_AREA * neighbors as f32 / FIRST_GATHER_PHOTONS,
                 };

@@ -10,36 +10,66 @@
 //!
 //! Limits: whatever the camera sees in mirrors or through glass stays black.
 
-use super::bidirectional_parameters::{BidirectionalParameters, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
-use super::bidirectional_pass::Recipe;
-use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
-use crate::transport::bidirectional::Techniques;
+use std::sync::Arc;
 
-const PARAMETERS: &[ParameterHelp] = &[MAX_DEPTH, RR_DEPTH, LENGTH, PASSES];
-
-const RECIPE: Recipe = Recipe { name: "light_tracing", parameters: PARAMETERS, techniques };
+use super::bidirectional_settings::{PassSettings, Paths};
+use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, one_per_pixel};
+use super::parameters::{ParameterSet, parameters, read_method};
+use super::shared_parameters::{LENGTH, MAX_DEPTH, PASSES, SUBPATH_RR_DEPTH};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
+use crate::scene::Scene;
+use crate::transport::bidirectional::{Show, Techniques};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: RECIPE.name,
+    name: "light_tracing",
     summary: "light subpaths connected with the camera, for what only they can sample",
     cannot_sample: "anything that the camera sees in mirrors or through glass",
     reference: "Arvo 1986; Veach 1997, chapter 10",
     bias: Bias::None,
-    parameters: RECIPE.parameters,
+    parameters: Parameters::HELP,
     negative_lobes: true,
     media: false,
-    strategies: None,
-    blind_to,
-    check: |choice, pixels| RECIPE.check(choice, pixels),
-    declare: |method| RECIPE.declare(method),
-    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
+    read: read_method::<Parameters>,
 };
 
-fn techniques(_parameters: &BidirectionalParameters) -> Techniques {
-    Techniques::CAMERA
+parameters! {
+    /// Parameters of `light_tracing`.
+    struct Parameters {
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
+        length: All<PathLength> = LENGTH,
+        passes: Passes = PASSES,
+    }
 }
 
-fn blind_to(_: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
-    traits.specular.then_some("what is seen in mirrors or through glass, which stays black; sppm, vcm and bdpt do")
+impl Parameters {
+    /// What passes do.
+    fn settings(&self) -> PassSettings {
+        let Self { max_depth, rr_depth, length, .. } = *self;
+        let paths = Paths { max_depth, rr_depth, length, strategy: All::All, show: Show::Radiance };
+        PassSettings::new(Techniques::CAMERA, &paths)
+    }
+}
+
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        one_per_pixel(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        Gathering::Nothing
+    }
+
+    fn blind_to(&self, traits: SceneTraits) -> Option<&'static str> {
+        traits.specular.then_some("what is seen in mirrors or through glass, which stays black; sppm, vcm and bdpt do")
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        self.settings().prepare(scene, photons_per_pass, seed)
+    }
 }

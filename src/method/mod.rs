@@ -3,15 +3,18 @@
 
 pub mod bdpm;
 pub mod bdpt;
-pub mod bidirectional_parameters;
 pub mod bidirectional_pass;
+pub mod bidirectional_settings;
+pub mod checked_method;
 pub mod light_tracing;
+pub mod parameter_values;
 pub mod parameters;
 pub mod path;
 pub mod pbdpm;
 pub mod photon_map;
 pub mod photon_pass;
 pub mod ppm;
+pub mod shared_parameters;
 pub mod sppm;
 pub mod vcm;
 
@@ -20,12 +23,13 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Declaration, PixelTally, RadiusRule, Region};
+use crate::estimate::{Declaration, PixelTally, Region};
 use crate::scene::Scene;
 use crate::scene::error::nearest_name;
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 
+pub use checked_method::{CheckedMethod, Gathering, ParameterizedMethod};
 pub use parameters::ParameterHelp;
 
 /// One method of the table.
@@ -48,17 +52,13 @@ pub struct MethodEntry {
     pub negative_lobes: bool,
     /// Whether it renders media that scatter light, or absorb unevenly.
     pub media: bool,
-    /// The ways of finding paths that it tells apart, up to so many segments; `None` where there is no `strategy` to choose.
-    strategies: Option<Strategies>,
-    /// Light of a scene with such traits that it never finds, if there is any, and methods that do.
-    blind_to: fn(&CheckedMethod, SceneTraits) -> Option<&'static str>,
-    /// Checks parameters for a picture of so many pixels and writes every default out.
-    check: fn(&MethodChoice, u64) -> Result<CheckedMethod, MethodError>,
-    /// What the tallies of a checked choice hold.
-    declare: fn(&CheckedMethod) -> Result<Declaration, MethodError>,
-    /// Prepares the method for a scene.
-    prepare: PrepareMethod,
+    /// Reads its parameters.
+    read: ReadParameters,
 }
+
+/// The method's name and what a user gave to its parameters.
+type ReadParameters =
+    fn(&'static str, &serde_json::Map<String, serde_json::Value>) -> Result<Box<dyn ParameterizedMethod>, MethodError>;
 
 /// The part of a method's error that no averaging removes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,12 +72,6 @@ pub enum Bias {
     /// More passes leave it as it is.
     Stays,
 }
-
-/// A choice and a number of segments to strategies.
-type Strategies = fn(&MethodChoice, u32) -> Result<Vec<Strategy>, MethodError>;
-
-/// Scene, checked choice and job seed to a prepared method.
-type PrepareMethod = fn(Arc<Scene>, &CheckedMethod, u64) -> Result<Box<dyn PreparedMethod>, MethodError>;
 
 /// All methods; the first is the default.
 pub const METHODS: &[MethodEntry] = &[
@@ -135,11 +129,6 @@ impl SceneTraits {
             media: scene.has_scattering_media(),
         }
     }
-}
-
-/// Nothing is left out: photons are gathered wherever there is something to gather in.
-fn blind_to_nothing(_: &CheckedMethod, _: SceneTraits) -> Option<&'static str> {
-    None
 }
 
 /// A method prepared for one scene, with its parameters and the job's seed. Every function is pure.
@@ -212,22 +201,6 @@ pub struct MethodChoice {
     pub parameters: serde_json::Map<String, serde_json::Value>,
 }
 
-/// A choice that was checked: what coordinator and workers agree on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CheckedMethod {
-    /// The choice with every parameter written out.
-    pub choice: MethodChoice,
-    /// How radii shrink.
-    pub radius_rule: RadiusRule,
-    /// α of the radius rule.
-    pub alpha: f64,
-    /// Photons emitted per pass.
-    pub photons_per_pass: u32,
-    /// Passes to make when the job names no stop rule.
-    pub passes: u32,
-}
-
 /// A method that does not exist, or parameters that it cannot take.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MethodError {
@@ -266,7 +239,7 @@ pub fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
 
 /// Checks a choice against the table. `pixels` is the picture's size, from which `photons_per_pass: auto` follows.
 pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    (entry(&choice.name)?.check)(choice, pixels)
+    CheckedMethod::new(choice, pixels)
 }
 
 /// The strategies of a choice: of the paths that it looks at, else of all from 2 to `longest` segments.
@@ -275,31 +248,32 @@ pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, Method
 /// The method does not tell strategies apart, or a parameter is wrong.
 pub fn strategies(choice: &MethodChoice, longest: u32) -> Result<Vec<Strategy>, MethodError> {
     let entry = entry(&choice.name)?;
-    let Some(strategies) = entry.strategies else {
-        let able = METHODS.iter().filter(|entry| entry.strategies.is_some()).map(|entry| entry.name);
-        let remedy = format!("{} do", able.collect::<Vec<_>>().join(", "));
+    let parameters = (entry.read)(entry.name, &choice.parameters)?;
+    parameters.strategies(longest).ok_or_else(|| {
+        let tells = |entry: &&MethodEntry| {
+            (entry.read)(entry.name, &serde_json::Map::new()).is_ok_and(|defaults| defaults.strategies(2).is_some())
+        };
+        let able: Vec<&str> = METHODS.iter().filter(tells).map(|entry| entry.name).collect();
         let problem = "it does not tell strategies apart".to_owned();
-        return Err(MethodError::Parameter { method: entry.name, problem, remedy });
-    };
-    strategies(choice, longest)
+        MethodError::Parameter { method: entry.name, problem, remedy: format!("{} do", able.join(", ")) }
+    })
 }
 
 /// What a user should know of light that a method never finds in a scene.
 pub fn blind_spot(method: &CheckedMethod, traits: SceneTraits) -> Option<String> {
-    let name = &method.choice.name;
-    let unseen = (entry(name).ok()?.blind_to)(method, traits)?;
-    Some(format!("{name} cannot find {unseen}."))
+    let unseen = method.parameters.blind_to(traits)?;
+    Some(format!("{} cannot find {unseen}.", method.entry.name))
 }
 
 /// What a user should know of a method in a scene: light that it never finds, and a filter that it replaces.
 pub fn notices(method: &CheckedMethod, traits: SceneTraits) -> Vec<String> {
-    let name = &method.choice.name;
-    let Ok(entry) = entry(name) else { return Vec::new() };
+    let entry = method.entry;
     let replaced = (traits.negative_lobes && !entry.negative_lobes).then(|| {
         let able = METHODS.iter().filter(|entry| entry.negative_lobes).map(|entry| entry.name);
         let able = able.collect::<Vec<_>>().join(", ");
         format!(
-            "{name} replaces the film's filter, which has negative lobes, by \"gaussian\"; {able} take it as it is."
+            "{} replaces the film's filter, which has negative lobes, by \"gaussian\"; {able} take it as it is.",
+            entry.name
         )
     });
     blind_spot(method, traits).into_iter().chain(replaced).collect()
@@ -310,31 +284,26 @@ pub fn notices(method: &CheckedMethod, traits: SceneTraits) -> Vec<String> {
 /// Without bias −1. Progressive density estimation has variance ∝ passes^−α and bias ∝ passes^(α − 1) [Knaus & Zwicker 2011,
 /// section 4], so the slower of −α and −2(1 − α): −2/3 at α = 2/3, where both are the same; −1 where connections take over. A bias that stays is all
 /// that is left in the end: 0.
-pub fn theory_rate(method: &CheckedMethod) -> Result<f64, MethodError> {
-    let connects = method.choice.parameters.get("connect").is_none_or(|value| value == "on");
-    Ok(match entry(&method.choice.name)?.bias {
-        Bias::TakenOver if connects => -1.0,
-        // α = 1 says that nothing is gathered.
-        Bias::Shrinks | Bias::TakenOver if method.alpha < 1.0 => -method.alpha.min(2.0 * (1.0 - method.alpha)),
-        Bias::None | Bias::Shrinks | Bias::TakenOver => -1.0,
-        Bias::Stays => 0.0,
-    })
+pub fn theory_rate(method: &CheckedMethod) -> f64 {
+    match (method.parameters.bias(method.entry.bias), method.parameters.gathering()) {
+        (Bias::Shrinks, Gathering::ShrinkingDiscs { alpha, .. }) => -alpha.min(2.0 * (1.0 - alpha)),
+        (Bias::None | Bias::Shrinks | Bias::TakenOver, _) => -1.0,
+        (Bias::Stays, _) => 0.0,
+    }
 }
 
 /// What the tallies of a checked method hold.
-pub fn declaration(method: &CheckedMethod) -> Result<Arc<Declaration>, MethodError> {
-    (entry(&method.choice.name)?.declare)(method).map(Arc::new)
-}
-
-/// The declaration of methods that gather whatever their parameters are.
-fn declare_gathering(method: &CheckedMethod) -> Result<Declaration, MethodError> {
-    Ok(Declaration::gathering(method.radius_rule, method.alpha))
+pub fn declaration(method: &CheckedMethod) -> Arc<Declaration> {
+    Arc::new(method.parameters.gathering().declaration())
 }
 
 /// Prepares a checked method for a scene.
+///
+/// # Errors
+/// The scene has media that the method does not render.
 pub fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
     check_media(method, SceneTraits::of(&scene))?;
-    (entry(&method.choice.name)?.prepare)(scene, method, seed)
+    Ok(method.parameters.prepare(scene, method.photons_per_pass, seed))
 }
 
 /// Whether a method renders the media of a scene with such traits; all render those that only absorb.
@@ -342,12 +311,11 @@ pub fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<B
 /// # Errors
 /// It does not, and which methods do.
 pub fn check_media(method: &CheckedMethod, traits: SceneTraits) -> Result<(), MethodError> {
-    let entry = entry(&method.choice.name)?;
-    if entry.media || !traits.media {
+    if method.entry.media || !traits.media {
         return Ok(());
     }
     let able: Vec<&str> = METHODS.iter().filter(|entry| entry.media).map(|entry| entry.name).collect();
     let problem =
         "the scene has participating media that scatter light, or absorb unevenly, which it does not render".to_owned();
-    Err(MethodError::Parameter { method: entry.name, problem, remedy: format!("{} does", able.join(", ")) })
+    Err(MethodError::Parameter { method: method.entry.name, problem, remedy: format!("{} does", able.join(", ")) })
 }

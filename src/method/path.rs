@@ -13,54 +13,82 @@
 //! Limits: light that only mirrors or glass send to a surface is found when paths hit the lamp by chance: noisy from small lamps,
 //! never from point lights.
 
-use super::bidirectional_parameters::{BidirectionalParameters, HEURISTIC, LENGTH, MAX_DEPTH, PASSES, RR_DEPTH};
-use super::bidirectional_pass::Recipe;
-use super::parameters::help;
-use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
-use crate::transport::bidirectional::Techniques;
+use std::sync::Arc;
 
-const PARAMETERS: &[ParameterHelp] = &[
-    help("light_sampling", "whether points of lights are sampled at every surface", "on, off", "on"),
-    help("material_sampling", "whether lights that the path hits by chance count", "on, off", "on"),
-    HEURISTIC,
-    MAX_DEPTH,
-    RR_DEPTH,
-    LENGTH,
-    PASSES,
-];
-
-const RECIPE: Recipe = Recipe { name: "path", parameters: PARAMETERS, techniques };
+use super::bidirectional_settings::{PassSettings, Paths};
+use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, Switch, one_per_pixel};
+use super::parameters::{ParameterSet, parameter, parameters, read_method};
+use super::shared_parameters::{HEURISTIC, LENGTH, MAX_DEPTH, PASSES, SUBPATH_RR_DEPTH};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
+use crate::scene::Scene;
+use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: RECIPE.name,
+    name: "path",
     summary: "path tracing: light and material sampling combined",
     cannot_sample: "caustics of point, spot and directional lights; small lamps behind glass are very noisy",
     reference: "Kajiya 1986; Veach 1997, chapter 9",
     bias: Bias::None,
-    parameters: RECIPE.parameters,
+    parameters: Parameters::HELP,
     negative_lobes: true,
     media: true,
-    strategies: None,
-    blind_to,
-    check: |choice, pixels| RECIPE.check(choice, pixels),
-    declare: |method| RECIPE.declare(method),
-    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
+    read: read_method::<Parameters>,
 };
 
-fn techniques(parameters: &BidirectionalParameters) -> Techniques {
-    Techniques::HIT
-        .with(Techniques::HIT, parameters.material_sampling.is_on())
-        .with(Techniques::DIRECT, parameters.light_sampling.is_on())
+parameters! {
+    /// Parameters of `path`.
+    struct Parameters {
+        light_sampling: Switch =
+            parameter("whether points of lights are sampled at every surface", Switch::On, "on"),
+        material_sampling: Switch =
+            parameter("whether lights that the path hits by chance count", Switch::On, "on"),
+        heuristic: Heuristic = HEURISTIC,
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
+        length: All<PathLength> = LENGTH,
+        passes: Passes = PASSES,
+    }
 }
 
-fn blind_to(method: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
-    let samples_lights = method.choice.parameters.get("light_sampling").is_none_or(|value| value == "on");
-    match (traits.point_lights, traits.specular) {
-        (true, _) if !samples_lights => Some("point, spot and directional lights without light_sampling"),
-        (true, true) => {
-            Some("light that mirrors and glass throw from point, spot and directional lights; sppm, vcm and bdpt do")
+impl Parameters {
+    /// What passes do.
+    fn settings(&self) -> PassSettings {
+        let techniques = Techniques::HIT
+            .with(Techniques::HIT, self.material_sampling.is_on())
+            .with(Techniques::DIRECT, self.light_sampling.is_on());
+        let Self { max_depth, rr_depth, length, .. } = *self;
+        let paths = Paths { max_depth, rr_depth, length, strategy: All::All, show: Show::Radiance };
+        PassSettings { heuristic: self.heuristic, ..PassSettings::new(techniques, &paths) }
+    }
+}
+
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        one_per_pixel(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        Gathering::Nothing
+    }
+
+    fn blind_to(&self, traits: SceneTraits) -> Option<&'static str> {
+        match (traits.point_lights, traits.specular) {
+            (true, _) if !self.light_sampling.is_on() => {
+                Some("point, spot and directional lights without light_sampling")
+            }
+            (true, true) => Some(
+                "light that mirrors and glass throw from point, spot and directional lights; sppm, vcm and bdpt do",
+            ),
+            _ => None,
         }
-        _ => None,
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        self.settings().prepare(scene, photons_per_pass, seed)
     }
 }

@@ -14,46 +14,84 @@
 //!
 //! Limits: direct light comes from photons too, so it is blurred at first.
 
-use super::bidirectional_parameters::{
-    ALPHA, BidirectionalParameters, CAMERA_HITS, HEURISTIC, INITIAL_RADIUS, LENGTH, LIGHT_HITS, MAX_DEPTH, PASSES,
-    PHOTONS, RADIUS_RULE, RR_DEPTH, SHOW, STRATEGY, WEIGHTS,
+use std::sync::Arc;
+
+use super::bidirectional_settings::{MergeSettings, PassSettings, Paths, photon_techniques};
+use super::parameter_values::{
+    All, Auto, Depth, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch, Weights,
 };
-use super::bidirectional_pass::Recipe;
-use super::{Bias, MethodEntry, ParameterHelp, blind_to_nothing};
-
-const PARAMETERS: &[ParameterHelp] = &[
-    ALPHA,
-    RADIUS_RULE,
-    PHOTONS,
-    INITIAL_RADIUS,
-    WEIGHTS,
-    LIGHT_HITS,
-    CAMERA_HITS,
-    HEURISTIC,
-    STRATEGY,
-    SHOW,
-    MAX_DEPTH,
-    RR_DEPTH,
-    LENGTH,
-    PASSES,
-];
-
-const RECIPE: Recipe =
-    Recipe { name: "pbdpm", parameters: PARAMETERS, techniques: BidirectionalParameters::photon_techniques };
+use super::parameters::{ParameterSet, parameters, read_method};
+use super::shared_parameters::{
+    ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE,
+    SHOW, STRATEGY, SUBPATH_RR_DEPTH, WEIGHTS,
+};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
+use crate::estimate::RadiusRule;
+use crate::scene::Scene;
+use crate::transport::bidirectional::{Heuristic, Show};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: RECIPE.name,
+    name: "pbdpm",
     summary: "progressive bidirectional photon mapping: bdpm with a shrinking radius",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011, section 3.4",
     bias: Bias::Shrinks,
-    parameters: RECIPE.parameters,
+    parameters: Parameters::HELP,
     negative_lobes: true,
     media: false,
-    strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
-    blind_to: blind_to_nothing,
-    check: |choice, pixels| RECIPE.check(choice, pixels),
-    declare: |method| RECIPE.declare(method),
-    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
+    read: read_method::<Parameters>,
 };
+
+parameters! {
+    /// Parameters of `pbdpm`.
+    struct Parameters {
+        alpha: OpenUnit = ALPHA,
+        radius_rule: RadiusRule = RADIUS_RULE,
+        photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
+        initial_radius: Auto<Radius> = MERGING_RADIUS,
+        weights: Weights = WEIGHTS,
+        light_hits: Switch = LIGHT_HITS,
+        camera_hits: Switch = CAMERA_HITS,
+        heuristic: Heuristic = HEURISTIC,
+        strategy: All<Subpaths> = STRATEGY,
+        show: Show = SHOW,
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
+        length: All<PathLength> = LENGTH,
+        passes: Passes = PASSES,
+    }
+}
+
+impl Parameters {
+    /// What passes do.
+    fn settings(&self) -> PassSettings {
+        let (techniques, measure) = (photon_techniques(self.light_hits, self.camera_hits), self.weights.measure());
+        let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
+        let paths = Paths { max_depth, rr_depth, length, strategy, show };
+        let merging = MergeSettings::discs(self.initial_radius.meters());
+        PassSettings { heuristic: self.heuristic, measure, merging, ..PassSettings::new(techniques, &paths) }
+    }
+}
+
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        self.photons_per_pass.settle(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() }
+    }
+
+    fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
+        Some(self.settings().strategies(longest))
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        self.settings().prepare(scene, photons_per_pass, seed)
+    }
+}

@@ -39,15 +39,13 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
 
-use super::parameters::{self, Auto, ParameterHelp, ParameterSet, help};
+use super::parameter_values::{Auto, Depth, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits};
+use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::{
-    Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PilotPass, PreparedMethod, blind_to_nothing,
-};
-use crate::estimate::{Declaration, PixelTally, RadiusRule, Region};
+use super::shared_parameters::{MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
+use crate::estimate::{PixelTally, Region};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension, spread};
 use crate::scene::Scene;
@@ -60,134 +58,104 @@ use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Gathered, G
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits, shading};
 
-const NAME: &str = "photon_map";
 /// What a look-up costs, in rays, for the pilot's count.
 const RAYS_PER_LOOKUP: u64 = 6;
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: "photon_map",
     summary: "photon mapping in two passes: sampled direct light, caustic map, final gather from a global map",
     cannot_sample: "nothing; but more passes do not remove the bias of its estimate, only more photons per pass do",
     reference: "Jensen 1996",
     bias: Bias::Stays,
-    parameters: PARAMETERS,
+    parameters: Parameters::HELP,
     negative_lobes: false,
     media: false,
-    strategies: None,
-    blind_to: blind_to_nothing,
-    check,
-    // There is no radius per pixel: what is gathered is radiance at once.
-    declare: |method| Ok(Declaration::radiance_only(method.radius_rule, method.alpha)),
-    prepare,
+    read: read_method::<Parameters>,
 };
 
-const PARAMETERS: &[ParameterHelp] = &[
-    help(
-        "photons_per_pass",
-        "photons emitted per pass",
-        "1 to 67108864, auto",
-        "auto: one per pixel, 65536 to 1048576",
-    ),
-    help("neighbors", "nearest photons in a look-up of the global map", "2 to 65536", "20"),
-    help("caustic_neighbors", "nearest photons in a look-up of the caustic map", "2 to 65536", "10"),
-    help(
-        "largest_radius",
-        "largest radius of a look-up, m; gather rays shorter than it go on",
-        "above 0, auto",
-        "auto: half the area that k photons take on average",
-    ),
-    help("kernel", "how photons count by their distance", "disc, cone, epanechnikov", "epanechnikov"),
-    help("final_gather", "gather rays per camera path; 0 looks at the global map directly", "0 to 1024", "4"),
-    help("max_depth", "longest path in segments (2 is direct light)", "1 to 2147483648, -1 for unlimited", "-1"),
-    help("rr_depth", "segments from which Russian roulette may end a path", "1 or more", "1"),
-    help("passes", "passes when no stop rule is given", "1 to 2147483648", "256"),
-];
-
-/// [`PARAMETERS`] says what they mean.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-struct Parameters {
-    photons_per_pass: Value,
-    neighbors: u32,
-    caustic_neighbors: u32,
-    largest_radius: Value,
-    kernel: Kernel,
-    final_gather: u32,
-    max_depth: i64,
-    rr_depth: i64,
-    passes: u32,
+bounded! {
+    /// k, photons in a look-up.
+    struct Neighbors(u32), "2 to 65536", |number| 2 <= number && number <= 65_536
 }
 
-impl Default for Parameters {
-    fn default() -> Self {
-        Self {
-            photons_per_pass: "auto".into(),
-            neighbors: 20,
-            caustic_neighbors: 10,
-            largest_radius: "auto".into(),
-            kernel: Kernel::default(),
-            final_gather: 4,
-            max_depth: -1,
-            rr_depth: 1,
-            passes: 256,
-        }
+bounded! {
+    /// Gather rays of a camera path.
+    struct GatherRays(u32), "0 to 1024", |number| number <= 1024
+}
+
+parameters! {
+    /// Parameters of `photon_map`.
+    struct Parameters {
+        photons_per_pass: Auto<PhotonCount> = PHOTONS,
+        neighbors: Neighbors = parameter(
+            "nearest photons in a look-up of the global map",
+            Neighbors::new(20).expect("in range"),
+            "20",
+        ),
+        caustic_neighbors: Neighbors = parameter(
+            "nearest photons in a look-up of the caustic map",
+            Neighbors::new(10).expect("in range"),
+            "10",
+        ),
+        largest_radius: Auto<Radius> = parameter(
+            "largest radius of a look-up, m; gather rays shorter than it go on",
+            Auto::Auto,
+            "auto: half the area that k photons take on average",
+        ),
+        kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
+        final_gather: GatherRays = parameter(
+            "gather rays per camera path; 0 looks at the global map directly",
+            GatherRays::new(4).expect("in range"),
+            "4",
+        ),
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = RR_DEPTH,
+        passes: Passes = PASSES,
     }
 }
 
-impl ParameterSet for Parameters {
-    fn check_ranges(&self) -> Result<(), &'static str> {
-        parameters::first_bad(&[
-            ("photons_per_pass", parameters::photon_count(&self.photons_per_pass).is_some()),
-            ("neighbors", (2..=65_536).contains(&self.neighbors)),
-            ("caustic_neighbors", (2..=65_536).contains(&self.caustic_neighbors)),
-            ("largest_radius", parameters::radius(&self.largest_radius).is_some()),
-            ("final_gather", self.final_gather <= 1024),
-            ("max_depth", parameters::is_depth(self.max_depth)),
-            ("rr_depth", self.rr_depth >= 1),
-            ("passes", (1..=1 << 31).contains(&self.passes)),
-        ])
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        self.photons_per_pass.settle(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        // There is no radius per pixel: what is gathered is radiance at once.
+        Gathering::Nothing
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        let scene_radius = scene.geometry.bounding_sphere().1;
+        let look_up = |neighbors: Neighbors| self.look_up(neighbors.get(), scene_radius, photons_per_pass);
+        Box::new(TwoPasses {
+            seed,
+            limits: limits(self.max_depth, self.rr_depth),
+            photons_per_pass,
+            global: look_up(self.neighbors),
+            caustic: look_up(self.caustic_neighbors),
+            gather_rays: self.final_gather.get(),
+            scene,
+        })
     }
 }
 
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    let mut parameters: Parameters = parameters::read(NAME, &choice.parameters, PARAMETERS)?;
-    let photons_per_pass = parameters::photons_for(&parameters.photons_per_pass, pixels);
-    parameters.photons_per_pass = photons_per_pass.into();
-    let passes = parameters.passes;
-    let choice = parameters::written_out(NAME, parameters, PARAMETERS);
-    // There is no radius per pixel: the rule that sends no radius fields costs nothing.
-    Ok(CheckedMethod { choice, radius_rule: RadiusRule::Schedule, alpha: 2.0 / 3.0, photons_per_pass, passes })
-}
-
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters: Parameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
-    let scene_radius = scene.geometry.bounding_sphere().1;
-    let photons_per_pass = method.photons_per_pass;
-    let look_up = |neighbors: u32| {
+impl Parameters {
+    fn look_up(&self, neighbors: u32, scene_radius: f32, photons_per_pass: u32) -> LookUp {
         let automatic = largest_radius_squared(scene_radius, neighbors, photons_per_pass);
-        let largest_radius_squared = match parameters::radius(&parameters.largest_radius) {
-            Some(Auto::Value(radius)) => radius * radius,
-            _ => automatic,
+        let largest_radius_squared = match self.largest_radius.meters() {
+            Auto::Value(radius) => radius * radius,
+            Auto::Auto => automatic,
         };
         LookUp {
-            estimate: DensityEstimate {
-                neighbors: neighbors as usize,
-                largest_radius_squared,
-                kernel: parameters.kernel,
-            },
+            estimate: DensityEstimate { neighbors: neighbors as usize, largest_radius_squared, kernel: self.kernel },
             first_radius: largest_radius_squared.min(automatic).sqrt(),
         }
-    };
-    Ok(Box::new(TwoPasses {
-        scene,
-        seed,
-        limits: parameters::limits(parameters.max_depth, parameters.rr_depth),
-        photons_per_pass,
-        global: look_up(parameters.neighbors),
-        caustic: look_up(parameters.caustic_neighbors),
-        gather_rays: parameters.final_gather,
-    }))
+    }
 }
 
 /// The largest r² where the user named none, m²: half the area that `neighbors` photons would have on the scene's
@@ -265,7 +233,7 @@ impl TwoPasses {
         let width = self.scene.width as usize;
         let random = PassRandom::of_pixels(self.seed, streams[1], pass.index);
         let trace_row = |(row, tallies): (usize, &mut [PixelTally])| {
-            let mut gathering = Gathering { method: self, maps: &maps, found: Nearest::default() };
+            let mut gathering = LocalPass { method: self, maps: &maps, found: Nearest::default() };
             let mut counters = Counters::default();
             if cancel.load(Ordering::Relaxed) {
                 return counters;
@@ -285,13 +253,13 @@ impl TwoPasses {
 }
 
 /// Second pass: what a thread needs to look at pixels.
-struct Gathering<'a> {
+struct LocalPass<'a> {
     method: &'a TwoPasses,
     maps: &'a Maps,
     found: Nearest,
 }
 
-impl Gathering<'_> {
+impl LocalPass<'_> {
     /// Radiance that a camera path sees.
     fn pixel(&mut self, pixel: [u32; 2], random: &PathRandom, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, .. } = self.method;

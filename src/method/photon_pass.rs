@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameters::{Auto, DirectLight, ProgressiveParameters};
-use super::{CheckedMethod, MethodError, Pass};
+use super::Pass;
+use super::parameter_values::{Auto, DirectLight};
 use crate::estimate::PixelTally;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::math::{Rgb, octahedral};
@@ -43,25 +43,6 @@ pub struct PhotonPasses {
 }
 
 impl PhotonPasses {
-    /// From a checked choice.
-    pub fn new(
-        scene: Arc<Scene>,
-        method: &CheckedMethod,
-        parameters: &ProgressiveParameters,
-        seed: u64,
-        follows_narrow: bool,
-    ) -> Result<Self, MethodError> {
-        Ok(Self {
-            scene,
-            seed,
-            limits: parameters.limits(),
-            direct: parameters.direct,
-            follows_narrow,
-            photons_per_pass: method.photons_per_pass,
-            first_radius: parameters.first_radius().unwrap_or_default(),
-        })
-    }
-
     /// Traces the photons of pass `pass` and sorts them into cells of the size of a typical gather disc.
     pub fn photon_map(
         &self,

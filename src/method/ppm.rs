@@ -20,29 +20,25 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
-use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{
-    Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PilotPass, PreparedMethod, blind_to_nothing,
-    declare_gathering,
+use super::parameter_values::{
+    Auto, Depth, DirectLight, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits,
 };
-use crate::estimate::{PixelTally, Region};
-use crate::math::octahedral;
+use super::parameters::{ParameterSet, parameter, parameters, read_method};
+use super::photon_pass::{PhotonPasses, add_to_tally};
+use super::shared_parameters::{ALPHA, DIRECT, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
+use crate::estimate::{PixelTally, RadiusRule, Region};
+use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
-use crate::math::trigonometry::sin_cos_turn;
-use crate::math::{Frame, Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::ray::{largest, position_error};
-use crate::scene::geometry::surface::NO_INSTANCE;
-use crate::scene::geometry::{Detail, Interaction, Shape};
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
+use crate::transport::hit_point::HitPoint;
 use crate::transport::photon_map::{Gathered, PhotonMap};
 use crate::transport::shading;
 
-const NAME: &str = "ppm";
-const PARAMETERS: &[ParameterHelp] = HELP;
 /// Specular surfaces up to this many segments are followed in all their directions, later ones in one at random.
 const SPLIT_SEGMENTS: u32 = 4;
 /// The pass index that addresses the random numbers of hit points.
@@ -50,35 +46,70 @@ const HIT_POINT_PASS: u32 = u32::MAX;
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: "ppm",
     summary: "progressive photon mapping: hit points fixed for the whole job, photons anew every pass",
     cannot_sample: "more camera paths than samples_per_pixel: edges and lenses stay as noisy as those leave them",
     reference: "Hachisuka, Ogaki & Jensen 2008",
     bias: Bias::Shrinks,
-    parameters: PARAMETERS,
+    parameters: Parameters::HELP,
     negative_lobes: false,
     media: false,
-    strategies: None,
-    blind_to: blind_to_nothing,
-    check,
-    declare: declare_gathering,
-    prepare,
+    read: read_method::<Parameters>,
 };
 
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    Ok(parameters::read::<ProgressiveParameters>(NAME, &choice.parameters, PARAMETERS)?
-        .checked(NAME, PARAMETERS, pixels))
+bounded! {
+    /// A number of camera paths per pixel.
+    struct Samples(u32), "1 to 64", |number| 1 <= number && number <= 64
 }
 
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters: ProgressiveParameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
-    let (low, high) = scene.geometry.bounds();
-    Ok(Box::new(Ppm {
-        samples_per_pixel: parameters.samples_per_pixel,
-        error: position_error(largest(low).max(largest(high))),
-        passes: PhotonPasses::new(scene, method, &parameters, seed, false)?,
-        cache: Mutex::new(HashMap::new()),
-    }))
+parameters! {
+    /// Parameters of `ppm`.
+    struct Parameters {
+        alpha: OpenUnit = ALPHA,
+        radius_rule: RadiusRule = RADIUS_RULE,
+        photons_per_pass: Auto<PhotonCount> = PHOTONS,
+        initial_radius: Auto<Radius> = GATHER_RADIUS,
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = RR_DEPTH,
+        direct: DirectLight = DIRECT,
+        passes: Passes = PASSES,
+        samples_per_pixel: Samples =
+            parameter("hit points per pixel, fixed for the whole job", Samples::new(4).expect("in range"), "4"),
+    }
+}
+
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        self.photons_per_pass.settle(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() }
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        let (low, high) = scene.geometry.bounds();
+        let error = position_error(largest(low).max(largest(high)));
+        let passes = PhotonPasses {
+            scene,
+            seed,
+            limits: limits(self.max_depth, self.rr_depth),
+            direct: self.direct,
+            follows_narrow: false,
+            photons_per_pass,
+            first_radius: self.initial_radius.meters(),
+        };
+        Box::new(Ppm {
+            passes,
+            samples_per_pixel: self.samples_per_pixel.get(),
+            error,
+            cache: Mutex::new(HashMap::new()),
+        })
+    }
 }
 
 struct Ppm {
@@ -88,65 +119,6 @@ struct Ppm {
     error: f32,
     /// Hit points per region, made when first needed.
     cache: Mutex<HashMap<Region, Arc<HitPoints>>>,
-}
-
-/// Where a camera path meets a surface with a smooth lobe.
-#[derive(Clone, Copy, Debug)]
-struct HitPoint {
-    position: Vec3,
-    /// Octahedral codes: true normal, shading normal, direction towards the camera.
-    directions: [u32; 3],
-    throughput: Rgb,
-    /// Material, and segments from the camera in the top byte.
-    material_and_segments: u32,
-    parameterization: Parameterization,
-    /// `Interaction::detail`.
-    detail: Detail,
-    /// The shape's border between media.
-    boundary: u16,
-    /// The index of the medium that the path came through, or [`NO_MEDIUM`].
-    medium: u16,
-}
-
-/// The number of a medium where there is none.
-const NO_MEDIUM: u16 = u16::MAX;
-
-/// Texture coordinates as floats of 24 bits each, a 2¹⁶th exact; then the tangent's turn from that of [`Frame::from_normal`]
-/// in 15 bits, and whether the bitangent is mirrored. Fractions of integers would not do: how far coordinates go, and how
-/// they wrap, is each texture's own affair. All 0 where the shape needs none.
-#[derive(Clone, Copy, Debug)]
-struct Parameterization(u64);
-
-const TURNS: f32 = 32768.0;
-
-impl Parameterization {
-    fn new(hit: &Interaction) -> Self {
-        if !hit.shape.needs_uv {
-            return Self(0);
-        }
-        let [u, v] = hit.uv.to_array().map(|number| u64::from(number.to_bits().saturating_add(0x80) >> 8));
-        let plain = Frame::from_normal(hit.frame.normal);
-        let local = plain.to_local(hit.frame.tangent);
-        let turn = libm::atan2f(local.y, local.x) / std::f32::consts::TAU;
-        let turn = ((turn + 1.0) * TURNS + 0.5) as u64 % TURNS as u64;
-        let mirrored = hit.frame.normal.cross(hit.frame.tangent).dot(hit.frame.bitangent) < 0.0;
-        Self(u | v << 24 | turn << 48 | u64::from(mirrored) << 63)
-    }
-
-    fn uv(self) -> Vec2 {
-        Vec2::new(f32::from_bits((self.0 as u32) << 8), f32::from_bits(((self.0 >> 24) as u32) << 8))
-    }
-
-    fn frame(self, normal: Vec3) -> Frame {
-        let plain = Frame::from_normal(normal);
-        let (sin, cos) = sin_cos_turn((self.0 >> 48 & 0x7fff) as f32 / TURNS);
-        let side = if self.0 >> 63 == 1 { -1.0 } else { 1.0 };
-        Frame {
-            tangent: plain.tangent * cos + plain.bitangent * sin,
-            bitangent: (plain.bitangent * cos - plain.tangent * sin) * side,
-            normal,
-        }
-    }
 }
 
 /// The hit points of a region, and the emission that its pixels see.
@@ -159,58 +131,6 @@ struct HitPoints {
     seen: Vec<[f32; 3]>,
     /// Rays that made them.
     rays: u64,
-}
-
-const MATERIAL_BITS: u32 = 24;
-
-impl HitPoint {
-    fn new(point: &GatherPoint) -> Self {
-        let hit = &point.hit;
-        let directions = [hit.geometric_normal, hit.frame.normal, hit.outgoing].map(octahedral::encode);
-        Self {
-            position: hit.position,
-            directions,
-            throughput: point.throughput,
-            material_and_segments: hit.shape.material | point.segments.min(255) << MATERIAL_BITS,
-            parameterization: Parameterization::new(hit),
-            detail: hit.detail,
-            boundary: hit.shape.boundary,
-            medium: point.medium.unwrap_or(NO_MEDIUM),
-        }
-    }
-
-    fn segments(&self) -> u32 {
-        self.material_and_segments >> MATERIAL_BITS
-    }
-
-    fn gather_point(&self, error: f32) -> GatherPoint {
-        let [geometric_normal, shading_normal, outgoing] = self.directions.map(octahedral::decode);
-        let material = self.material_and_segments & ((1 << MATERIAL_BITS) - 1);
-        // Codes of equal normals are equal: flat surfaces stay flat.
-        let flat = self.directions[0] == self.directions[1];
-        let hit = Interaction {
-            position: self.position,
-            geometric_normal,
-            frame: self.parameterization.frame(if flat { geometric_normal } else { shading_normal }),
-            uv: self.parameterization.uv(),
-            outgoing,
-            distance: 0.0,
-            shape: Shape { boundary: self.boundary, ..Shape::new(material) },
-            primitive: 0,
-            instance: NO_INSTANCE,
-            error,
-            detail: self.detail,
-        };
-        GatherPoint {
-            hit,
-            throughput: self.throughput,
-            segments: self.segments(),
-            path_length: 0.0,
-            medium: (self.medium != NO_MEDIUM).then_some(self.medium),
-            lobes: Lobes::SMOOTH,
-            goes_on: false,
-        }
-    }
 }
 
 impl Ppm {

@@ -20,46 +20,69 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameters::{self, HELP, ParameterHelp, ProgressiveParameters};
+use super::parameter_values::{Auto, Depth, DirectLight, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits};
+use super::parameters::{ParameterSet, parameters, read_method};
 use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::{
-    Bias, CheckedMethod, MethodChoice, MethodEntry, MethodError, Pass, PilotPass, PreparedMethod, blind_to_nothing,
-    declare_gathering,
-};
-use crate::estimate::PixelTally;
+use super::shared_parameters::{ALPHA, DIRECT, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
+use crate::estimate::{PixelTally, RadiusRule};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::photon_map::{Gathered, PhotonMap};
 
-const NAME: &str = "sppm";
-const PARAMETERS: &[ParameterHelp] = HELP.split_at(HELP.len() - 1).0;
-
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: NAME,
+    name: "sppm",
     summary: "stochastic progressive photon mapping: new camera paths every pass, shared pixel statistics",
     cannot_sample: "nothing; every path with a surface that is not a mirror or glass is found",
     reference: "Hachisuka & Jensen 2009; Knaus & Zwicker 2011",
     bias: Bias::Shrinks,
-    parameters: PARAMETERS,
+    parameters: Parameters::HELP,
     negative_lobes: false,
     media: false,
-    strategies: None,
-    blind_to: blind_to_nothing,
-    check,
-    declare: declare_gathering,
-    prepare,
+    read: read_method::<Parameters>,
 };
 
-fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    Ok(parameters::read::<ProgressiveParameters>(NAME, &choice.parameters, PARAMETERS)?
-        .checked(NAME, PARAMETERS, pixels))
+parameters! {
+    /// Parameters of `sppm`.
+    struct Parameters {
+        alpha: OpenUnit = ALPHA,
+        radius_rule: RadiusRule = RADIUS_RULE,
+        photons_per_pass: Auto<PhotonCount> = PHOTONS,
+        initial_radius: Auto<Radius> = GATHER_RADIUS,
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = RR_DEPTH,
+        direct: DirectLight = DIRECT,
+        passes: Passes = PASSES,
+    }
 }
 
-fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
-    let parameters: ProgressiveParameters = parameters::read(NAME, &method.choice.parameters, PARAMETERS)?;
-    Ok(Box::new(Sppm { passes: PhotonPasses::new(scene, method, &parameters, seed, true)? }))
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        self.photons_per_pass.settle(pixels)
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() }
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        let passes = PhotonPasses {
+            scene,
+            seed,
+            limits: limits(self.max_depth, self.rr_depth),
+            direct: self.direct,
+            follows_narrow: true,
+            photons_per_pass,
+            first_radius: self.initial_radius.meters(),
+        };
+        Box::new(Sppm { passes })
+    }
 }
 
 struct Sppm {

@@ -12,62 +12,109 @@
 //!
 //! Limits: it does the work of both methods in every pass, which pays where neither alone finds all light well.
 
-use super::bidirectional_parameters::{
-    ALPHA, BidirectionalParameters, HEURISTIC, INITIAL_RADIUS, LENGTH, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE,
-    RR_DEPTH, SHOW, STRATEGY,
+use std::sync::Arc;
+
+use super::bidirectional_settings::{MergeSettings, PassSettings, Paths};
+use super::parameter_values::{
+    All, Auto, Depth, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch,
 };
-use super::bidirectional_pass::Recipe;
-use super::parameters::help;
-use super::{Bias, CheckedMethod, MethodEntry, ParameterHelp, SceneTraits};
-use crate::transport::bidirectional::Techniques;
-
-const PARAMETERS: &[ParameterHelp] = &[
-    help("connect", "whether vertices are connected", "on, off", "on"),
-    help("merge", "whether vertices are merged", "on, off", "on"),
-    ALPHA,
-    RADIUS_RULE,
-    PHOTONS,
-    INITIAL_RADIUS,
-    HEURISTIC,
-    STRATEGY,
-    SHOW,
-    MAX_DEPTH,
-    RR_DEPTH,
-    LENGTH,
-    PASSES,
-];
-
-const RECIPE: Recipe = Recipe { name: "vcm", parameters: PARAMETERS, techniques };
+use super::parameters::{ParameterSet, parameter, parameters, read_method};
+use super::shared_parameters::{
+    ALPHA, HEURISTIC, LENGTH, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE, SHOW, STRATEGY,
+    SUBPATH_RR_DEPTH,
+};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
+use crate::estimate::RadiusRule;
+use crate::scene::Scene;
+use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
-    name: RECIPE.name,
+    name: "vcm",
     summary: "vertex connection and merging: bdpt and pbdpm in one",
     cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Georgiev et al. 2012",
     bias: Bias::TakenOver,
-    parameters: RECIPE.parameters,
+    parameters: Parameters::HELP,
     negative_lobes: true,
     media: false,
-    strategies: Some(|choice, longest| RECIPE.strategies(choice, longest)),
-    blind_to,
-    check: |choice, pixels| RECIPE.check(choice, pixels),
-    declare: |method| RECIPE.declare(method),
-    prepare: |scene, method, seed| RECIPE.prepare(scene, method, seed),
+    read: read_method::<Parameters>,
 };
 
-fn techniques(parameters: &BidirectionalParameters) -> Techniques {
-    match parameters.connect.is_on() {
-        true => Techniques::ALL_CONNECTIONS,
-        false => Techniques::HIT,
+parameters! {
+    /// Parameters of `vcm`.
+    struct Parameters {
+        connect: Switch = parameter("whether vertices are connected", Switch::On, "on"),
+        merge: Switch = parameter("whether vertices are merged", Switch::On, "on"),
+        alpha: OpenUnit = ALPHA,
+        radius_rule: RadiusRule = RADIUS_RULE,
+        photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
+        initial_radius: Auto<Radius> = MERGING_RADIUS,
+        heuristic: Heuristic = HEURISTIC,
+        strategy: All<Subpaths> = STRATEGY,
+        show: Show = SHOW,
+        max_depth: Depth = MAX_DEPTH,
+        rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
+        length: All<PathLength> = LENGTH,
+        passes: Passes = PASSES,
     }
-    .with(Techniques::MERGE, parameters.merge.is_on())
 }
 
-fn blind_to(method: &CheckedMethod, traits: SceneTraits) -> Option<&'static str> {
-    let merges = method.choice.parameters.get("merge").is_none_or(|value| value == "on");
-    (!merges && traits.point_lights && traits.specular).then_some(
-        "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
-         glass; merge: on does",
-    )
+impl Parameters {
+    /// What passes do.
+    fn settings(&self) -> PassSettings {
+        let techniques = match self.connect.is_on() {
+            true => Techniques::ALL_CONNECTIONS,
+            false => Techniques::HIT,
+        };
+        let techniques = techniques.with(Techniques::MERGE, self.merge.is_on());
+        let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
+        let paths = Paths { max_depth, rr_depth, length, strategy, show };
+        let merging = MergeSettings::discs(self.initial_radius.meters());
+        PassSettings { heuristic: self.heuristic, merging, ..PassSettings::new(techniques, &paths) }
+    }
+}
+
+impl ParameterizedMethod for Parameters {
+    fn settle_photons(&mut self, pixels: u64) -> u32 {
+        match self.merge.is_on() {
+            true => self.photons_per_pass.settle(pixels),
+            false => self.photons_per_pass.settle_to_pixels(pixels),
+        }
+    }
+
+    fn passes(&self) -> u32 {
+        self.passes.get()
+    }
+
+    fn gathering(&self) -> Gathering {
+        match self.merge.is_on() {
+            true => Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() },
+            false => Gathering::Nothing,
+        }
+    }
+
+    fn bias(&self, usual: Bias) -> Bias {
+        match (self.connect.is_on(), self.merge.is_on()) {
+            (true, true) => usual,
+            // Nothing takes over from what is merged.
+            (false, true) => Bias::Shrinks,
+            (_, false) => Bias::None,
+        }
+    }
+
+    fn blind_to(&self, traits: SceneTraits) -> Option<&'static str> {
+        (!self.merge.is_on() && traits.point_lights && traits.specular).then_some(
+            "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
+             glass; merge: on does",
+        )
+    }
+
+    fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
+        Some(self.settings().strategies(longest))
+    }
+
+    fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        self.settings().prepare(scene, photons_per_pass, seed)
+    }
 }

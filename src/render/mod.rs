@@ -66,7 +66,7 @@ pub struct Renderer {
 impl Renderer {
     /// Prepares `method` for `scene`.
     pub fn new(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Self, MethodError> {
-        let declaration = method::declaration(method)?;
+        let declaration = method::declaration(method);
         Ok(Self { method: method::prepare(scene.clone(), method, seed)?, scene, declaration })
     }
 

@@ -8,6 +8,7 @@ pub mod counters;
 pub mod density_estimate;
 pub mod direct_light;
 pub mod first_radius;
+pub mod hit_point;
 pub mod kernel;
 pub mod light_path;
 pub mod limits;

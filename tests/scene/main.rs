@@ -14,6 +14,7 @@ mod errors;
 mod import;
 mod import_old;
 mod mesh_attributes;
+mod method_parameters;
 mod native_form;
 mod own_scenes;
 mod serialized_meshes;

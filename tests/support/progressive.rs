@@ -53,7 +53,7 @@ impl Job {
     pub(crate) fn begin(&self) -> Estimate {
         let pilot = self.renderer.pilot(&self.never).expect("nobody cancels");
         let (width, height) = (self.scene.width, self.scene.height);
-        let declaration = declaration(&self.method).expect("the method was checked");
+        let declaration = declaration(&self.method);
         Estimate::new(width, height, &[self.region()], declaration, pilot.radius_squared()).expect("the pilot fits")
     }
 

@@ -140,7 +140,7 @@ fn lines(plan: &Plan, cell: &Cell<'_>, snapshots: &[Snapshot]) -> Result<Vec<Rec
 fn record(plan: &Plan, cell: &Cell<'_>, snapshot: &Snapshot) -> Result<Record, CliError> {
     let Cell { reference, method, .. } = cell;
     let run = cell.run.clone();
-    let theory_rate = method::theory_rate(method).map_err(|error| CliError::BadInput(error.to_string()))?;
+    let theory_rate = method::theory_rate(method);
     let metrics = compare(&snapshot.picture, &reference.picture, reference.standard_error.as_ref());
     Ok(Record {
         version: run.version,

@@ -208,7 +208,7 @@ fn fingerprint(request: &JobRequest) -> String {
 fn bytes_per_pixel(method: Option<&CheckedMethod>) -> Result<u64, FarmError> {
     const FIELDS: u64 = 5 * size_of::<f32>() as u64;
     let declaration = match method {
-        Some(method) => method::declaration(method)?,
+        Some(method) => method::declaration(method),
         None => Arc::new(Declaration::gathering(RadiusRule::Statistics, 1.0)),
     };
     let (fields, first): (u64, &[f32]) = if declaration.has_radii() { (FIELDS, &[1.0]) } else { (0, &[]) };

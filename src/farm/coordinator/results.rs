@@ -148,7 +148,7 @@ impl Shared {
             (facts.description.clone(), facts.terms.stop, facts.request.cut)
         };
         let method = description.method.ok_or("a pilot came before the method was chosen")?;
-        let declaration = method::declaration(&method).map_err(|problem| problem.to_string())?;
+        let declaration = method::declaration(&method);
         let (width, height) = (description.width, description.height);
         let plan = Plan::new(width, height, pilot.cost_per_pass(), stop.passes, declaration.radius_rule).with_cut(cut);
         let merging =

@@ -129,7 +129,7 @@ impl Cache {
     ) -> Result<Arc<RadiusField>, PrepareError> {
         let unusable = |problem: String| PrepareError::Unusable(problem);
         let method = job.method.as_ref().ok_or_else(|| unusable("the job has no method yet".to_owned()))?;
-        let declaration = crate::method::declaration(method).map_err(|problem| unusable(problem.to_string()))?;
+        let declaration = crate::method::declaration(method);
         if !declaration.has_radii() {
             return Ok(Arc::new(RadiusField::none()));
         }

@@ -1,0 +1,109 @@
+//! What the parameters of the methods that make paths from two ends come to, and what follows from it for all of them.
+
+use std::sync::Arc;
+
+use super::bidirectional_pass::BidirectionalPasses;
+use super::parameter_values::{All, Auto, Depth, PathLength, RouletteDepth, Subpaths, Switch, limits};
+use super::{PreparedMethod, Strategy};
+use crate::scene::Scene;
+use crate::transport::Limits;
+use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
+use crate::transport::kernel::Kernel;
+
+/// What passes of these methods do.
+#[derive(Clone, Copy, Debug)]
+pub struct PassSettings {
+    /// Ways of finding paths.
+    pub techniques: Techniques,
+    /// How techniques share a path.
+    pub heuristic: Heuristic,
+    /// In which measure their densities are compared.
+    pub measure: Measure,
+    /// Limits on whole paths.
+    pub limits: Limits,
+    /// Which paths count.
+    pub selection: Selection,
+    /// How vertices are merged, where they are.
+    pub merging: MergeSettings,
+}
+
+/// How vertices are merged.
+#[derive(Clone, Copy, Debug)]
+pub struct MergeSettings {
+    /// First radius, m.
+    pub first_radius: Auto<f32>,
+    /// How photons count by their distance.
+    pub kernel: Kernel,
+    /// Only so many photons are merged with a vertex; 0 for all within the radius.
+    pub neighbors: u32,
+}
+
+impl MergeSettings {
+    /// All photons within the radius count alike.
+    pub fn discs(first_radius: Auto<f32>) -> Self {
+        Self { first_radius, kernel: Kernel::Disc, neighbors: 0 }
+    }
+}
+
+/// Which paths are made and counted.
+#[derive(Clone, Copy, Debug)]
+pub struct Paths {
+    /// Longest path.
+    pub max_depth: Depth,
+    /// Where roulette begins.
+    pub rr_depth: RouletteDepth,
+    /// Their length.
+    pub length: All<PathLength>,
+    /// Their strategy.
+    pub strategy: All<Subpaths>,
+    /// What is seen of them.
+    pub show: Show,
+}
+
+impl PassSettings {
+    /// `techniques` on `paths`, by the balance heuristic and without merging.
+    pub fn new(techniques: Techniques, paths: &Paths) -> Self {
+        let length = paths.length.only().map(PathLength::get);
+        let limits = limits(paths.max_depth, paths.rr_depth);
+        // Longer paths than those that are looked at need not be traced.
+        let limits = Limits { max_depth: limits.max_depth.into_iter().chain(length).min(), ..limits };
+        let strategy = paths.strategy.only().map(|Subpaths { light, camera }| [light, camera]);
+        let selection = Selection { length, strategy, show: paths.show };
+        let (heuristic, measure) = (Heuristic::Balance, Measure::Area);
+        Self { techniques, heuristic, measure, limits, selection, merging: MergeSettings::discs(Auto::Auto) }
+    }
+
+    /// Whether any of `techniques` is in use.
+    pub fn uses(&self, techniques: Techniques) -> bool {
+        self.techniques.any(techniques)
+    }
+
+    /// How the techniques share paths when there are `light_paths` a pass.
+    pub fn weighting(&self, light_paths: u32) -> Weighting {
+        let Self { techniques, heuristic, measure, .. } = *self;
+        Weighting { techniques, heuristic, measure, light_paths: light_paths as f32 }
+    }
+
+    /// Makes passes of a scene ready.
+    pub fn prepare(self, scene: Arc<Scene>, light_paths: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        Box::new(BidirectionalPasses::new(scene, self, light_paths, seed))
+    }
+
+    /// The strategies of the paths that count, else of all from 2 to `longest` segments.
+    pub fn strategies(&self, longest: u32) -> Vec<Strategy> {
+        let Self { techniques, limits, selection, .. } = *self;
+        let lengths = selection.length.map_or(2..=longest, |length| length..=length);
+        let of_length = |segments: u32| {
+            let pairs = techniques
+                .strategies(segments)
+                .filter(move |[light, camera]| selection.takes(segments, *light, *camera));
+            pairs.map(move |[light, camera]| Strategy { segments, light, camera })
+        };
+        lengths.filter(|segments| limits.allows(*segments)).flat_map(of_length).collect()
+    }
+}
+
+/// The techniques of `bdpm` and `pbdpm`: merging, and what `light_hits` and `camera_hits` add to it.
+pub fn photon_techniques(light_hits: Switch, camera_hits: Switch) -> Techniques {
+    Techniques::MERGE.with(Techniques::HIT, light_hits.is_on()).with(Techniques::CAMERA, camera_hits.is_on())
+}

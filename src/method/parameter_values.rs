@@ -1,0 +1,270 @@
+//! Types of parameters. Each knows its range and holds nothing that lies outside.
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
+
+use super::parameters::ParameterValue;
+use crate::estimate::RadiusRule;
+use crate::transport::Limits;
+use crate::transport::bidirectional::{Heuristic, Measure, Show};
+use crate::transport::kernel::Kernel;
+
+/// A number, or the word `auto`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Auto<T> {
+    /// Chosen by the program.
+    #[default]
+    Auto,
+    /// Chosen by the user.
+    #[serde(untagged)]
+    Value(T),
+}
+
+/// One of many, or the word `all`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum All<T> {
+    /// All of them.
+    #[default]
+    All,
+    /// No other.
+    #[serde(untagged)]
+    Only(T),
+}
+
+impl<T> All<T> {
+    /// The only one that counts, if not all do.
+    pub fn only(self) -> Option<T> {
+        match self {
+            Self::All => None,
+            Self::Only(value) => Some(value),
+        }
+    }
+}
+
+/// Declares a type of numbers in a range: `Name(number type), "range as shown", |number| whether it lies in the range`.
+macro_rules! bounded {
+    ($(#[$attribute:meta])* $visibility:vis struct $name:ident($type:ty), $range:literal, |$number:ident| $within:expr) => {
+        $(#[$attribute])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $visibility struct $name($type);
+
+        impl $name {
+            /// `None` for what is out of range.
+            $visibility const fn new($number: $type) -> Option<Self> {
+                if $within { Some(Self($number)) } else { None }
+            }
+
+            /// The number.
+            $visibility const fn get(self) -> $type {
+                self.0
+            }
+        }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                self.0.serialize(serializer)
+            }
+        }
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let refused = || serde::de::Error::custom(concat!("allowed: ", $range));
+                Self::new(<$type>::deserialize(deserializer)?).ok_or_else(refused)
+            }
+        }
+
+        impl $crate::method::parameters::ParameterValue for $name {
+            const RANGE: &'static str = $range;
+        }
+    };
+}
+pub(super) use bounded;
+
+bounded! {
+    /// A share that is neither nothing nor all.
+    pub struct OpenUnit(f64), "above 0, below 1", |number| 0.0 < number && number < 1.0
+}
+bounded! {
+    /// Passes of a job.
+    pub struct Passes(u32), "1 to 2147483648", |number| 1 <= number && number <= 1 << 31
+}
+bounded! {
+    /// Photons, or light subpaths, of a pass.
+    pub struct PhotonCount(u32), "1 to 67108864", |number| 1 <= number && number <= 1 << 26
+}
+bounded! {
+    /// A radius, m, whose square single precision holds.
+    pub struct Radius(f64), "above 0", |number| number as f32 > 0.0 && (number as f32 * number as f32).is_normal()
+}
+bounded! {
+    /// The longest path in segments, or −1.
+    pub struct Depth(i64), "1 to 2147483648, -1 for unlimited", |number| {
+        number == -1 || 1 <= number && number <= 1 << 31
+    }
+}
+bounded! {
+    /// Segments from which Russian roulette may end a path.
+    pub struct RouletteDepth(i64), "1 or more", |number| number >= 1
+}
+bounded! {
+    /// The segments of a path.
+    pub struct PathLength(u32), "1 to 65535", |number| 1 <= number && number <= 65_535
+}
+
+impl ParameterValue for Auto<PhotonCount> {
+    const RANGE: &'static str = "1 to 67108864, auto";
+}
+
+impl Auto<PhotonCount> {
+    /// Becomes a number where it is `auto`: one per pixel, 65536 to 1048576.
+    pub fn settle(&mut self, pixels: u64) -> u32 {
+        let count = match *self {
+            Self::Value(count) => count,
+            Self::Auto => PhotonCount(pixels.clamp(1 << 16, 1 << 20) as u32),
+        };
+        *self = Self::Value(count);
+        count.get()
+    }
+
+    /// Becomes the number of pixels, which is returned; more than a user may give are not written out.
+    pub fn settle_to_pixels(&mut self, pixels: u64) -> u32 {
+        let pixels = one_per_pixel(pixels);
+        *self = PhotonCount::new(pixels).map_or(*self, Self::Value);
+        pixels
+    }
+}
+
+/// The light subpaths of a pass where nothing is merged. No picture has 2³² pixels.
+pub fn one_per_pixel(pixels: u64) -> u32 {
+    u32::try_from(pixels).unwrap_or(u32::MAX)
+}
+
+impl ParameterValue for Auto<Radius> {
+    const RANGE: &'static str = "above 0, auto";
+}
+
+impl Auto<Radius> {
+    /// The radius in single precision, m.
+    pub fn meters(self) -> Auto<f32> {
+        match self {
+            Self::Auto => Auto::Auto,
+            Self::Value(radius) => Auto::Value(radius.get() as f32),
+        }
+    }
+}
+
+/// Limits on path length.
+pub fn limits(max_depth: Depth, rr_depth: RouletteDepth) -> Limits {
+    Limits {
+        max_depth: u32::try_from(max_depth.get()).ok(),
+        rr_depth: u32::try_from(rr_depth.get()).unwrap_or(u32::MAX),
+    }
+}
+
+impl ParameterValue for All<PathLength> {
+    const RANGE: &'static str = "1 to 65535, all";
+}
+
+/// A way of finding paths, "s,t" to users: vertices of the light and of the camera subpath.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Subpaths {
+    /// s.
+    pub light: u32,
+    /// t.
+    pub camera: u32,
+}
+
+impl Serialize for Subpaths {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(&format_args!("{},{}", self.light, self.camera))
+    }
+}
+
+impl<'de> Deserialize<'de> for Subpaths {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let number = |text: &str| text.trim().parse().map_err(de::Error::custom);
+        let (light, camera) = text.split_once(',').ok_or_else(|| de::Error::custom("allowed: s,t"))?;
+        Ok(Self { light: number(light)?, camera: number(camera)? })
+    }
+}
+
+impl ParameterValue for All<Subpaths> {
+    const RANGE: &'static str = "s,t, all";
+}
+
+/// A part of a method that can be left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Switch {
+    /// It takes part.
+    On,
+    /// It does not.
+    Off,
+}
+
+impl Switch {
+    /// Whether it is on.
+    pub fn is_on(self) -> bool {
+        self == Self::On
+    }
+}
+
+impl ParameterValue for Switch {
+    const RANGE: &'static str = "on, off";
+}
+
+/// How light that arrives straight from a source is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DirectLight {
+    /// Light and material sampling; photons count from their second surface on.
+    Sample,
+    /// By photons alone.
+    Photons,
+}
+
+impl ParameterValue for DirectLight {
+    const RANGE: &'static str = "sample, photons";
+}
+
+/// How photon-path pairs are weighted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Weights {
+    /// By the densities with which paths are found, merging included [Georgiev et al. 2012].
+    Consistent,
+    /// By products of directional densities [Vorba 2011].
+    Paper,
+}
+
+impl Weights {
+    /// In which measure densities are compared.
+    pub fn measure(self) -> Measure {
+        match self {
+            Self::Consistent => Measure::Area,
+            Self::Paper => Measure::SolidAngle,
+        }
+    }
+}
+
+impl ParameterValue for Weights {
+    const RANGE: &'static str = "consistent, paper";
+}
+
+impl ParameterValue for RadiusRule {
+    const RANGE: &'static str = "statistics, schedule";
+}
+
+impl ParameterValue for Kernel {
+    const RANGE: &'static str = "disc, cone, epanechnikov";
+}
+
+impl ParameterValue for Heuristic {
+    const RANGE: &'static str = "balance, power";
+}
+
+impl ParameterValue for Show {
+    const RANGE: &'static str = "radiance, unweighted, weights";
+}

@@ -1,0 +1,77 @@
+//! Parameters that several methods have.
+
+use super::parameter_values::{
+    All, Auto, Depth, DirectLight, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch,
+    Weights,
+};
+use super::parameters::{Parameter, parameter};
+use crate::estimate::RadiusRule;
+use crate::transport::bidirectional::{Heuristic, Show};
+
+/// For all methods.
+pub const MAX_DEPTH: Parameter<Depth> =
+    parameter("longest path in segments (2 is direct light)", Depth::new(-1).expect("in range"), "-1");
+/// For all methods.
+pub const PASSES: Parameter<Passes> =
+    parameter("passes when no stop rule is given", Passes::new(256).expect("in range"), "256");
+
+/// For methods whose radii shrink.
+pub const ALPHA: Parameter<OpenUnit> = parameter(
+    "share of each pass's photons that is kept as the radius shrinks",
+    OpenUnit::new(2.0 / 3.0).expect("in range"),
+    "0.6667",
+);
+/// For methods whose radii shrink.
+pub const RADIUS_RULE: Parameter<RadiusRule> = parameter("how radii shrink", RadiusRule::Statistics, "statistics");
+
+/// For methods that follow photons to where camera paths gather them.
+pub const PHOTONS: Parameter<Auto<PhotonCount>> =
+    parameter("photons emitted per pass", Auto::Auto, "auto: one per pixel, 65536 to 1048576");
+/// For methods that follow photons to where camera paths gather them.
+pub const RR_DEPTH: Parameter<RouletteDepth> =
+    parameter("segments from which Russian roulette may end a path", RouletteDepth::new(1).expect("in range"), "1");
+
+/// For `sppm` and `ppm`.
+pub const GATHER_RADIUS: Parameter<Auto<Radius>> =
+    parameter("first gather radius, m", Auto::Auto, "auto: per pixel by a pilot pass");
+/// For `sppm` and `ppm`.
+pub const DIRECT: Parameter<DirectLight> = parameter("how direct light is found", DirectLight::Sample, "sample");
+
+/// For methods that make paths from two ends and merge them.
+pub const LIGHT_SUBPATHS: Parameter<Auto<PhotonCount>> = parameter(
+    "light subpaths per pass",
+    Auto::Auto,
+    "auto: one per pixel, 65536 to 1048576; always one per pixel where nothing is merged",
+);
+/// For methods that make paths from two ends and merge them.
+pub const MERGING_RADIUS: Parameter<Auto<Radius>> =
+    parameter("first merging radius, m", Auto::Auto, "auto: per pixel by a pilot pass");
+/// For methods that make paths from two ends.
+pub const SUBPATH_RR_DEPTH: Parameter<RouletteDepth> =
+    parameter("segments from which Russian roulette may end a subpath", RouletteDepth::new(3).expect("in range"), "3");
+/// For methods that make paths from two ends.
+pub const LENGTH: Parameter<All<PathLength>> = parameter("only paths of so many segments", All::All, "all");
+/// For methods with more than one technique.
+pub const HEURISTIC: Parameter<Heuristic> =
+    parameter("how densities of techniques become weights", Heuristic::Balance, "balance");
+/// For methods that tell strategies apart.
+pub const STRATEGY: Parameter<All<Subpaths>> = parameter(
+    "only paths of s light and t camera vertices (segments where they are merged), weighted as always",
+    All::All,
+    "all",
+);
+/// For methods that tell strategies apart.
+pub const SHOW: Parameter<Show> = parameter(
+    "radiance; unweighted, as if each strategy stood alone; or weights: red over green is the mean weight of the light that \
+     a pixel's strategies found",
+    Show::Radiance,
+    "radiance",
+);
+
+/// For `bdpm` and `pbdpm`.
+pub const WEIGHTS: Parameter<Weights> =
+    parameter("how pairs of photon and path are weighted", Weights::Consistent, "consistent");
+/// For `bdpm` and `pbdpm`.
+pub const LIGHT_HITS: Parameter<Switch> = parameter("whether camera paths that hit lights count", Switch::On, "on");
+/// For `bdpm` and `pbdpm`.
+pub const CAMERA_HITS: Parameter<Switch> = parameter("whether photons are connected with the camera", Switch::On, "on");

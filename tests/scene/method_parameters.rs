@@ -1,0 +1,154 @@
+//! Every parameter of every method: what its help says of range and default is so, and checked methods are stored and read again.
+
+use photonfarm::method::{CheckedMethod, METHODS, MethodChoice, MethodError, ParameterHelp, check};
+use serde_json::{Map, Value, json};
+
+const PIXELS: u64 = 100_000;
+
+fn checked(method: &str, parameters: Map<String, Value>) -> Result<CheckedMethod, MethodError> {
+    check(&MethodChoice { name: method.to_owned(), parameters }, PIXELS)
+}
+
+fn with(method: &str, name: &str, value: Value) -> Result<CheckedMethod, MethodError> {
+    checked(method, Map::from_iter([(name.to_owned(), value)]))
+}
+
+fn every_parameter() -> impl Iterator<Item = (&'static str, &'static ParameterHelp)> {
+    METHODS.iter().flat_map(|entry| entry.parameters.iter().map(|parameter| (entry.name, parameter)))
+}
+
+/// A number where it is one, else a word.
+fn value(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|_| text.into())
+}
+
+#[test]
+fn defaults_are_what_help_says() {
+    for (method, parameter) in every_parameter() {
+        let shown = parameter.default.split(':').next().expect("split yields at least one part");
+        let defaults = checked(method, Map::new()).expect("defaults are good");
+        let given = with(method, parameter.name, value(shown)).expect("the default is in range");
+        if parameter.name == "alpha" {
+            let alpha = defaults.choice.parameters["alpha"].as_f64().expect("a number");
+            assert!((alpha - shown.parse::<f64>().expect("a number")).abs() < 5e-5, "{method}: {alpha}");
+        } else {
+            assert_eq!(given, defaults, "{method}: {} = {shown}", parameter.name);
+        }
+    }
+}
+
+/// What is in a range and what is just outside, by the words of its help.
+fn probes(range: &str) -> (Vec<Value>, Vec<Value>) {
+    let (mut within, mut outside) = (Vec::new(), vec![json!("nonsense"), json!([1]), json!(null), json!(true)]);
+    for part in range.split(", ") {
+        let part = part.split(" for ").next().expect("split yields at least one part");
+        if let Some((low, high)) = part.split_once(" to ") {
+            let [low, high] = [low, high].map(|number| number.parse::<i64>().expect("a number"));
+            within.extend([json!(low), json!(high)]);
+            outside.extend([json!(high + 1), json!(high as f64 + 0.5), json!(low.to_string())]);
+            // Zero and −1 may have a meaning of their own.
+            outside.extend((!range.contains(&format!("{}", low - 1)) && low != 2).then(|| json!(low - 1)));
+        } else if let Some(low) = part.strip_suffix(" or more") {
+            let low = low.parse::<i64>().expect("a number");
+            within.extend([json!(low), json!(i64::MAX)]);
+            outside.push(json!(low - 1));
+        } else if let Some(low) = part.strip_prefix("above ") {
+            let low = low.parse::<f64>().expect("a number");
+            within.push(json!(low + 0.125));
+            outside.extend([json!(low), json!(low - 0.125)]);
+        } else if let Some(high) = part.strip_prefix("below ") {
+            outside.push(json!(high.parse::<f64>().expect("a number")));
+        } else if range.starts_with("s,t") {
+            within.extend([json!("2,3"), json!("all")]);
+            outside.extend([json!("2"), json!("2,3,4"), json!("-1,3")]);
+        } else {
+            within.push(value(part));
+            outside.push(json!(format!("{part}s")));
+        }
+    }
+    (within, outside)
+}
+
+#[test]
+fn ranges_are_what_help_says() {
+    let mut seen = 0;
+    for (method, parameter) in every_parameter() {
+        let (within, outside) = probes(parameter.range);
+        assert!(!within.is_empty(), "{method}.{} allows nothing", parameter.name);
+        for value in within {
+            let found = with(method, parameter.name, value.clone());
+            let found = found.unwrap_or_else(|error| panic!("{method}.{} = {value}: {error}", parameter.name));
+            let written = &found.choice.parameters[parameter.name];
+            // How many photons `auto` is follows from the picture's size alone, so it is written out as a number.
+            let expected = if value == "auto" && parameter.name == "photons_per_pass" { json!(PIXELS) } else { value };
+            assert_eq!(*written, expected, "{method} writes out what was given");
+            seen += 1;
+        }
+        for value in outside {
+            let error = with(method, parameter.name, value.clone()).err();
+            let error = error.unwrap_or_else(|| panic!("{method}.{} = {value} is taken", parameter.name)).to_string();
+            let expected =
+                format!("method \"{method}\": \"{}\" is {value}; allowed: {}", parameter.name, parameter.range);
+            assert_eq!(error, expected);
+        }
+    }
+    assert!(seen > 100, "only {seen} values were tried");
+}
+
+#[test]
+fn a_written_out_choice_means_the_same_for_another_size() {
+    for entry in METHODS {
+        let first = checked(entry.name, Map::new()).expect("defaults are good");
+        let names: Vec<&String> = first.choice.parameters.keys().collect();
+        let known: Vec<&str> = entry.parameters.iter().map(|parameter| parameter.name).collect();
+        assert_eq!(names, known, "{}", entry.name);
+        let again = check(&first.choice, 5).expect("it was checked");
+        assert_eq!(again.choice, first.choice);
+    }
+}
+
+/// As jobs were stored and sent before parameters were types.
+#[test]
+fn checked_methods_are_stored_as_ever() {
+    let records = [
+        (
+            "photon_map",
+            r#"{"choice":{"name":"photon_map","parameters":{"photons_per_pass":65536,"neighbors":20,"caustic_neighbors":10,
+            "largest_radius":0.25,"kernel":"cone","final_gather":4,"max_depth":-1,"rr_depth":1,"passes":256}},
+            "radius_rule":"schedule","alpha":0.6666666666666666,"photons_per_pass":65536,"passes":256}"#,
+        ),
+        (
+            "vcm",
+            r#"{"choice":{"name":"vcm","parameters":{"connect":"on","merge":"off","alpha":0.6666666666666666,
+            "radius_rule":"statistics","photons_per_pass":4096,"initial_radius":"auto","heuristic":"power","strategy":"2,3",
+            "show":"unweighted","max_depth":12,"rr_depth":3,"length":5,"passes":64}},"radius_rule":"schedule","alpha":1.0,
+            "photons_per_pass":4096,"passes":64}"#,
+        ),
+        (
+            "path",
+            r#"{"choice":{"name":"path","parameters":{"light_sampling":"on","material_sampling":"off","heuristic":"balance",
+            "max_depth":-1,"rr_depth":3,"length":"all","passes":256}},"radius_rule":"schedule","alpha":1.0,
+            "photons_per_pass":4096,"passes":256}"#,
+        ),
+        (
+            "sppm",
+            r#"{"choice":{"name":"sppm","parameters":{"alpha":0.8,"radius_rule":"schedule","photons_per_pass":500000,
+            "initial_radius":0.02,"max_depth":-1,"rr_depth":1,"direct":"sample","passes":256}},"radius_rule":"schedule",
+            "alpha":0.8,"photons_per_pass":500000,"passes":256}"#,
+        ),
+    ];
+    for (name, text) in records {
+        let record: Value = serde_json::from_str(text).expect("the test's JSON is good");
+        let read: CheckedMethod = serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let mut written = serde_json::to_value(&read).expect("it has a JSON form");
+        if name == "photon_map" {
+            // What gathers nothing in discs has no α; this method used to name one.
+            written["alpha"] = record["alpha"].clone();
+        }
+        assert_eq!(written, record, "{name}");
+        let mut other = record.clone();
+        other["passes"] = json!(7);
+        let refused = serde_json::from_value::<CheckedMethod>(other).expect_err("it contradicts itself").to_string();
+        assert!(refused.contains("7 passes"), "{refused}");
+    }
+}
