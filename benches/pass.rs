@@ -15,7 +15,7 @@ use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::method::{self, MethodChoice};
 use photonfarm::render::Renderer;
 use photonfarm::scene::Scene;
-use photonfarm::transport::photon_map::{GatherQuery, Grid, Photon, PhotonChunk, PhotonMap};
+use photonfarm::transport::photon_map::{GatherQuery, Grid, Photon, PhotonChunk, PhotonLookup, PhotonMap};
 
 fn main() {
     // One thread: the figures are CPU time per pass.

@@ -3,7 +3,9 @@
 
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Rgb, Vec3, octahedral, warp};
-use photonfarm::transport::photon_map::{GatherQuery, Gathered, Grid, Photon, PhotonChunk, PhotonMap};
+use photonfarm::transport::photon_map::{
+    GatherQuery, Gathered, Grid, Nearest, Photon, PhotonChunk, PhotonLookup, PhotonMap,
+};
 
 const LOW: Vec3 = Vec3::new(-1.0, -2.0, 0.5);
 const HIGH: Vec3 = Vec3::new(3.0, 1.0, 2.0);
@@ -77,34 +79,66 @@ fn build(photons: &[Photon], cell: f32, most_cells: u64) -> PhotonMap {
     PhotonMap::build(&chunks, grid)
 }
 
-fn twin(map: &PhotonMap, query: &GatherQuery) -> (f64, [f64; 3]) {
-    let (mut count, mut flux) = (0.0, [0.0; 3]);
-    map.visit(query, |photon, _| {
-        count += 1.0;
-        (0..3).for_each(|channel| flux[channel] += f64::from(photon.flux[channel]));
-    });
-    (count, flux)
+/// Photons that are looked through one by one: the definition of what counts, and the second structure that can be looked up.
+struct Listed<'a>(&'a [Photon]);
+
+impl Listed<'_> {
+    /// Squared distance, in space, of the photons with normals that agree to 0.7 and within the limit on segments; and their
+    /// height over the tangent plane.
+    fn seen(&self, query: &GatherQuery) -> impl Iterator<Item = (usize, f32, f32)> {
+        self.0.iter().enumerate().filter_map(|(index, photon)| {
+            let offset = Vec3::from_array(photon.position) - query.position;
+            let byte = |shift: u32| f32::from((photon.normal_and_segments >> shift) as u8 as i8) / 127.0;
+            let cosine = Vec3::new(byte(0), byte(8), byte(16)).dot(query.normal);
+            let counts = cosine > 0.7
+                && photon.normal_and_segments >> 24 & 0x7f <= query.most_segments
+                && !(query.caustics_only && photon.normal_and_segments >> 31 == 1);
+            counts.then(|| (index, offset.length_squared(), offset.dot(query.normal).abs()))
+        })
+    }
 }
 
-/// What should be found, from the definition: in the ball, within a quarter of the radius of the tangent plane, with
-/// normals that agree to 0.7, and within the limit on segments.
-fn search(photons: &[Photon], query: &GatherQuery) -> (f64, [f64; 3]) {
-    let (mut count, mut flux) = (0.0, [0.0; 3]);
-    for photon in photons {
-        let offset = Vec3::from_array(photon.position) - query.position;
-        let byte = |shift: u32| f32::from((photon.normal_and_segments >> shift) as u8 as i8) / 127.0;
-        let cosine = Vec3::new(byte(0), byte(8), byte(16)).dot(query.normal);
-        let near = offset.length_squared() < query.radius_squared
-            && offset.dot(query.normal).abs() <= 0.25 * query.radius_squared.sqrt();
-        if near
-            && cosine > 0.7
-            && photon.normal_and_segments >> 24 & 0x7f <= query.most_segments
-            && !(query.caustics_only && photon.normal_and_segments >> 31 == 1)
-        {
-            count += 1.0;
-            (0..3).for_each(|channel| flux[channel] += f64::from(photon.flux[channel]));
+impl PhotonLookup for Listed<'_> {
+    /// In the ball, and within a quarter of the radius of the tangent plane.
+    fn visit_disc(&self, query: &GatherQuery, mut visit: impl FnMut(usize, bool)) {
+        for (index, distance_squared, height) in self.seen(query) {
+            if distance_squared < query.radius_squared && height <= 0.25 * query.radius_squared.sqrt() {
+                visit(index, distance_squared < 0.5 * query.radius_squared);
+            }
         }
     }
+
+    fn nearest(&self, query: &GatherQuery, count: usize, found: &mut Nearest) {
+        found.begin(query.radius_squared);
+        for (index, distance_squared, height) in self.seen(query) {
+            let distance_squared = distance_squared.max(16.0 * height * height);
+            if distance_squared < query.radius_squared {
+                found.take(distance_squared, index);
+            }
+        }
+        found.end(count);
+    }
+
+    fn photon(&self, index: usize) -> Photon {
+        self.0[index]
+    }
+
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.0)
+    }
+}
+
+/// What a look-up shows of a disc, one photon at a time.
+fn shown(photons: &impl PhotonLookup, query: &GatherQuery) -> (f64, [f64; 3]) {
+    let (mut count, mut flux) = (0.0, [0.0; 3]);
+    photons.visit_disc(query, |index, _| {
+        count += 1.0;
+        (0..3).for_each(|channel| flux[channel] += f64::from(photons.photon(index).flux[channel]));
+    });
     (count, flux)
 }
 
@@ -125,16 +159,49 @@ fn agreement_gather_equals_its_plain_twin_and_a_full_search() {
         let (mut found, mut empty) = (0, 0);
         for query in queries(&photons, 1, 700) {
             let gathered = map.gather(&query);
-            let (count, flux) = twin(&map, &query);
+            let (count, flux) = shown(&map, &query);
             assert_eq!(f64::from(gathered.photons), count, "{query:?}");
             assert_same_flux(gathered.flux, flux, &query);
-            let (all, all_flux) = search(&photons, &query);
+            let (all, all_flux) = shown(&Listed(&photons), &query);
             assert_eq!(count, all, "cells of {cell}: {query:?}");
             assert_same_flux(gathered.flux, all_flux, &query);
+            let listed = Listed(&photons).gather(&query);
+            assert_eq!(listed.photons, gathered.photons);
+            let difference = (listed.inner_flux - gathered.inner_flux).abs().max_element();
+            assert!(difference <= 1e-3 * gathered.inner_flux.max_element(), "{query:?}");
             if count > 0.0 { found += 1 } else { empty += 1 }
         }
         assert!(found > 200 && empty > 50, "{found} queries found photons and {empty} none: the test is one-sided");
     }
+}
+
+#[test]
+fn agreement_nearest_photons_are_those_of_a_full_search() {
+    let photons = cloud(5, 5000);
+    let (mut of_map, mut of_list) = (Nearest::default(), Nearest::default());
+    let mut most = 0;
+    for cell in [10.0, 0.3, 0.02] {
+        let map = build(&photons, cell, 1 << 20);
+        for query in queries(&photons, 5, 300) {
+            map.nearest(&query, 12, &mut of_map);
+            Listed(&photons).nearest(&query, 12, &mut of_list);
+            assert_eq!(of_map.photons().len(), of_list.photons().len(), "{query:?}");
+            let (one, other) = (of_map.radius_squared(), of_list.radius_squared());
+            assert!((one / other - 1.0).abs() < 1e-4, "{one} is not {other}: {query:?}");
+            most = most.max(of_map.photons().len());
+        }
+    }
+    assert_eq!(most, 11, "the twelfth gives the radius and does not count");
+}
+
+#[test]
+fn a_map_takes_32_bytes_a_photon_and_4_a_cell() {
+    let photons = cloud(6, 10_000);
+    assert_eq!(Listed(&photons).bytes(), 320_000);
+    let map = build(&photons, 0.5, 1 << 20);
+    let cells = Grid::new(LOW, HIGH, 0.5, 1 << 20).cell_count();
+    // The columns are padded to whole groups of eight.
+    assert_eq!(map.bytes(), 32 * (10_000 + 8) + 4 * (cells + 1));
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! One pass of the methods that make paths from two ends: light subpaths first, kept where the method connects or merges them;
 //! then a camera subpath per pixel, joined with them.
 //!
-//! Memory: 64 bytes per kept vertex and 32 more where they are merged. Roulette keeps their number near the number of light
+//! Memory: 80 bytes per vertex that is kept to be connected, 48 per photon that is kept to be merged. Roulette keeps their number near the number of light
 //! subpaths times their mean length, which grows with the reflectance of the scene.
 
 use std::ops::Range;
@@ -20,12 +20,11 @@ use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::bidirectional::{
-    CameraWalk, LightWalk, MergeRecord, Merging, StoredVertex, Techniques, Vertex, Weighting, connect, direct_light,
-    merge, merge_records, to_camera,
+    CameraWalk, LightWalk, MergePhoton, MergeRecord, Merging, StoredVertex, Techniques, Vertex, Weighting, connect,
+    direct_light, merge, to_camera,
 };
 use crate::transport::first_radius::FIRST_GATHER_PHOTONS;
-use crate::transport::photon_map::{Gathered, Grid, Nearest, Photon, PhotonChunk, PhotonMap};
-use crate::transport::photon_tracing::stored;
+use crate::transport::photon_map::{Gathered, Grid, Nearest, PhotonChunk, PhotonMap};
 
 /// Light subpaths per chunk, which one thread traces.
 const PATHS_PER_CHUNK: u32 = 2048;
@@ -50,11 +49,12 @@ pub struct BidirectionalPasses {
 /// What a chunk of light subpaths leaves.
 #[derive(Default)]
 struct LightChunk {
+    /// Those that are connected.
     vertices: Vec<StoredVertex>,
     /// Where the vertices of each subpath end.
     ends: Vec<u32>,
-    /// Photons of the same vertices, with their index in the chunk for a direction.
-    photons: Vec<Photon>,
+    /// Those that are merged.
+    photons: Vec<MergePhoton>,
     /// What the camera sees: index of the pixel in the region, radiance.
     splats: Vec<(u32, Rgb)>,
     counters: Counters,
@@ -65,8 +65,7 @@ struct LightChunk {
 struct LightPaths {
     vertices: Vec<StoredVertex>,
     ends: Vec<u32>,
-    map: Option<PhotonMap>,
-    records: Vec<MergeRecord>,
+    map: Option<PhotonMap<MergeRecord>>,
 }
 
 impl LightPaths {
@@ -122,23 +121,22 @@ impl BidirectionalPasses {
         let walk = LightWalk { scene: &self.scene, limits: self.settings.limits, weighting: self.weighting, random };
         let mut chunk = LightChunk::default();
         let LightChunk { vertices, ends, photons, splats, counters } = &mut chunk;
+        let keeps = u64::from(self.uses(Techniques::MERGE) || self.uses(Techniques::CONNECT));
         for path in paths {
             walk.trace(path, counters, |vertex, random, counters| {
                 if self.uses(Techniques::CAMERA) {
                     self.splat(&walk, pass, vertex, random, splats, counters);
                 }
-                if self.uses(Techniques::MERGE)
-                    && let Some(photon) = stored(&vertex.hit, vertex.throughput, vertex.segments, false)
-                {
-                    photons.push(Photon { direction: vertices.len() as u32, ..photon });
+                if self.uses(Techniques::MERGE) {
+                    photons.extend(MergePhoton::new(vertex));
                 }
-                if self.uses(Techniques::MERGE) || self.uses(Techniques::CONNECT) {
+                if self.uses(Techniques::CONNECT) {
                     vertices.push(StoredVertex::new(vertex));
                 }
+                counters.photons_stored += keeps;
             });
             ends.push(vertices.len() as u32);
         }
-        counters.photons_stored += vertices.len() as u64;
         chunk
     }
 
@@ -199,25 +197,17 @@ impl BidirectionalPasses {
             paths.ends.extend(chunk.ends.iter().map(|end| first + end));
             paths.vertices.extend(chunk.vertices);
         }
-        if let Some(map) = &paths.map {
-            paths.records = merge_records(map, &paths.vertices);
-        }
         Some(paths)
     }
 
-    /// Sorts the photons of all chunks by place, with the index of their vertex in the pass.
-    fn photon_map(&self, pass: &Pass<'_>, chunks: &mut [LightChunk]) -> PhotonMap {
-        let mut first = 0;
-        for chunk in chunks.iter_mut() {
-            chunk.photons.iter_mut().for_each(|photon| photon.direction += first);
-            first += chunk.vertices.len() as u32;
-        }
+    /// Sorts the photons of all chunks by place.
+    fn photon_map(&self, pass: &Pass<'_>, chunks: &mut [LightChunk]) -> PhotonMap<MergeRecord> {
         let (low, high) = self.scene.geometry.bounds();
         // The search for the nearest begins with two cells, about where it ends.
         let cells_per_radius = if self.settings.merging.neighbors == 0 { 0.5 } else { 4.0 };
         let cell = pass.typical_radius_squared.sqrt() / cells_per_radius;
         let grid = Grid::new(low, high, cell, 4 * u64::from(self.light_paths).max(1 << 14));
-        let sorted: Vec<PhotonChunk> =
+        let sorted: Vec<PhotonChunk<MergePhoton>> =
             chunks.par_iter_mut().map(|chunk| PhotonChunk::sort(&std::mem::take(&mut chunk.photons), &grid)).collect();
         PhotonMap::build(&sorted, grid)
     }
@@ -257,7 +247,7 @@ impl CameraPass<'_> {
             }
             if let Some(map) = &paths.map {
                 let MergeSettings { kernel, neighbors, .. } = passes.settings.merging;
-                let merging = Merging { map, records: &paths.records, kernel, neighbors };
+                let merging = Merging { photons: map, records: map.extras(), kernel, neighbors };
                 let radius_squared = pass.radius_squared[pixel] * pass.scale;
                 gathered.add(&merge(walk, camera, &merging, radius_squared, acceptance, nearest), Rgb::ONE);
             }

@@ -54,7 +54,9 @@ use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, Photon, PhotonMap};
+use crate::transport::photon_map::{
+    self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, Photon, PhotonLookup, PhotonMap,
+};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits, shading};
 

@@ -8,17 +8,17 @@ use rayon::prelude::*;
 use super::Pass;
 use super::parameter_values::{Auto, DirectLight};
 use crate::estimate::PixelTally;
+use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
-use crate::math::{Rgb, octahedral};
 use crate::scene::Scene;
-use crate::scene::material::Lobes;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
-use crate::transport::photon_map::{GatherQuery, Gathered, Grid, PhotonMap, trace};
+use crate::transport::photon_map::{Gathered, Grid, PhotonLookup, PhotonMap, trace};
 use crate::transport::photon_tracing::PhotonSettings;
+use crate::transport::receiver::{Counting, Receiver};
 use crate::transport::{Counters, Limits};
 
 /// The pass index of the pilot, which has streams of its own.
@@ -81,37 +81,14 @@ impl PhotonPasses {
 
     /// Reflected flux Φ/T = Σ f_r·α and the photon count M at a gather point.
     #[inline]
-    pub fn gather(&self, map: &PhotonMap, point: &GatherPoint, radius_squared: f32) -> Gathered {
-        let hit = &point.hit;
-        let material = self.scene.material(hit.shape);
-        let view = point.view();
-        let query = GatherQuery {
-            position: hit.position,
-            normal: point.facing_normal(),
-            radius_squared,
-            most_segments: self.limits.most_photon_segments(point.segments),
-            caustics_only: point.goes_on,
-            both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
-        };
-        if let Some(value) = material.constant_value(&view) {
-            let mut gathered = map.gather(&query);
-            gathered.flux *= value;
-            gathered.inner_flux *= value;
-            return gathered;
-        }
-        let mut gathered = Gathered::default();
-        map.visit(&query, |photon, is_inner| {
-            let incident = hit.frame.to_local(octahedral::decode(photon.direction));
-            let flux = material.evaluate(&view, incident) * Rgb::from_array(photon.flux);
-            gathered.flux += flux;
-            gathered.inner_flux += if is_inner { flux } else { Rgb::ZERO };
-            gathered.photons += 1.0;
-        });
-        gathered
+    pub fn gather(&self, map: &impl PhotonLookup, point: &GatherPoint, radius_squared: f32) -> Gathered {
+        let most_segments = self.limits.most_photon_segments(point.segments);
+        let counting = Counting { radius_squared, most_segments, caustics_only: point.goes_on };
+        Receiver::new(&self.scene, &point.hit, point.view()).gather(map, counting)
     }
 
     /// First R² at a gather point that the camera sees over `path_length` m, m².
-    pub fn first_radius_squared(&self, map: &PhotonMap, point: &GatherPoint, path_length: f32) -> f32 {
+    pub fn first_radius_squared(&self, map: &impl PhotonLookup, point: &GatherPoint, path_length: f32) -> f32 {
         if let Auto::Value(radius) = self.first_radius {
             return radius * radius;
         }

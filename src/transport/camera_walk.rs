@@ -40,8 +40,7 @@ impl GatherPoint {
     /// The true normal on the side from which the camera sees the surface.
     #[inline]
     pub fn facing_normal(&self) -> Vec3 {
-        let normal = self.hit.geometric_normal;
-        if self.hit.outgoing.dot(normal) < 0.0 { -normal } else { normal }
+        shading::facing_normal(&self.hit)
     }
 
     /// The surface as the path sees it.

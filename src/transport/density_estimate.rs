@@ -8,13 +8,13 @@
 
 use std::f32::consts::FRAC_1_PI;
 
-use crate::math::{Rgb, octahedral};
+use crate::math::Rgb;
 use crate::scene::Scene;
-use crate::scene::material::Lobes;
 
 use super::camera_walk::GatherPoint;
 use super::kernel::Kernel;
-use super::photon_map::{GatherQuery, Nearest, PhotonMap};
+use super::photon_map::{Nearest, PhotonLookup};
+use super::receiver::{Counting, Receiver};
 
 /// How radiance is estimated from a photon map.
 #[derive(Clone, Copy, Debug)]
@@ -33,22 +33,14 @@ impl DensityEstimate {
     pub fn reflected(
         &self,
         scene: &Scene,
-        map: &PhotonMap,
+        map: &impl PhotonLookup,
         point: &GatherPoint,
         most_segments: u32,
         found: &mut Nearest,
     ) -> Rgb {
-        let hit = &point.hit;
-        let (material, view) = (scene.material(hit.shape), point.view());
-        let constant = material.constant_value(&view);
-        let query = GatherQuery {
-            position: hit.position,
-            normal: point.facing_normal(),
-            radius_squared: self.largest_radius_squared,
-            most_segments,
-            caustics_only: false,
-            both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
-        };
+        let receiver = Receiver::new(scene, &point.hit, point.view());
+        let radius_squared = self.largest_radius_squared;
+        let query = receiver.query(Counting { radius_squared, most_segments, caustics_only: false });
         map.nearest(&query, self.neighbors, found);
         let inverse_radius_squared = 1.0 / found.radius_squared();
         let mut sum = Rgb::ZERO;
@@ -56,10 +48,7 @@ impl DensityEstimate {
             let weight = self.kernel.weight(distance_squared * inverse_radius_squared);
             sum += map.flux(index)
                 * weight
-                * constant.unwrap_or_else(|| {
-                    let incident = octahedral::decode(map.photon(index).direction);
-                    material.evaluate(&view, hit.frame.to_local(incident))
-                });
+                * receiver.constant().unwrap_or_else(|| receiver.value(receiver.incident(map.direction(index))));
         }
         sum * (inverse_radius_squared * FRAC_1_PI)
     }

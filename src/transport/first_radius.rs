@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use super::camera_walk::GatherPoint;
-use super::photon_map::{GatherQuery, PhotonMap};
+use super::photon_map::{GatherQuery, PhotonLookup};
 use crate::math::Frame;
 use crate::math::trigonometry::sin_cos_turn;
 use crate::scene::Scene;
@@ -47,7 +47,12 @@ impl RadiusBounds {
 }
 
 /// R² with which a gather at `point` finds [`FIRST_GATHER_PHOTONS`], m². `footprint` is half a pixel's width there, m.
-pub fn first_radius_squared(map: &PhotonMap, point: &GatherPoint, footprint: f32, bounds: &RadiusBounds) -> f32 {
+pub fn first_radius_squared(
+    map: &impl PhotonLookup,
+    point: &GatherPoint,
+    footprint: f32,
+    bounds: &RadiusBounds,
+) -> f32 {
     let largest = RadiusBounds::largest_squared(bounds.scene_radius);
     let smallest = (footprint * footprint).clamp(f32::MIN_POSITIVE, largest);
     let mut radius_squared = bounds.guess.clamp(smallest, largest);

@@ -15,6 +15,7 @@ pub mod limits;
 pub mod multiple_importance;
 pub mod photon_map;
 pub mod photon_tracing;
+pub mod receiver;
 pub mod shading;
 pub mod visibility;
 pub mod walk;

@@ -29,6 +29,12 @@ pub fn view(hit: &Interaction, mode: TransportMode) -> View {
     View::at(hit, mode)
 }
 
+/// The true normal on the side from which the path came.
+#[inline]
+pub fn facing_normal(hit: &Interaction) -> Vec3 {
+    if hit.outgoing.dot(hit.geometric_normal) < 0.0 { -hit.geometric_normal } else { hit.geometric_normal }
+}
+
 /// Samples `material` at `hit` with three numbers; `None` where the path ends.
 #[inline]
 pub fn scatter(hit: &Interaction, material: &Material, view: &View, u: [f32; 3]) -> Option<Scattering> {

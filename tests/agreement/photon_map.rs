@@ -14,7 +14,7 @@ use photonfarm::math::{Rgb, Vec3, octahedral, warp};
 use photonfarm::method::{MethodChoice, check};
 use photonfarm::scene::Scene;
 use photonfarm::transport::kernel::Kernel;
-use photonfarm::transport::photon_map::{GatherQuery, Grid, Nearest, Photon, PhotonChunk, PhotonMap};
+use photonfarm::transport::photon_map::{GatherQuery, Grid, Nearest, Photon, PhotonChunk, PhotonLookup, PhotonMap};
 use progressive::{Job, reference_folder, reference_scene};
 use scene_text::prepare;
 

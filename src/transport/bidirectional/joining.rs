@@ -1,21 +1,20 @@
 //! Making one path of two subpaths.
 
-use rayon::prelude::*;
-
 use super::camera_walk::CameraWalk;
 use super::light_walk::LightWalk;
 use super::selection::{Selection, Show};
-use super::stored_vertex::StoredVertex;
+use super::stored_vertex::MergeRecord;
 use super::vertex::{Vertex, densities};
 use super::weights::{Sums, Weighting};
 use crate::math::random::{PathRandom, dimension};
-use crate::math::{Rgb, Vec2, Vec3, octahedral};
+use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 use crate::scene::geometry::surface::NO_LIGHT;
-use crate::scene::material::{Lobes, Material, TransportMode, View};
+use crate::scene::material::TransportMode;
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{GatherQuery, Gathered, Nearest, PhotonMap};
+use crate::transport::photon_map::{Gathered, Nearest, PhotonLookup};
+use crate::transport::receiver::{Counting, Receiver};
 use crate::transport::visibility::{Blockers, Joint, SHADOW_END, transmittance};
 use crate::transport::{Counters, shading};
 
@@ -176,27 +175,10 @@ pub fn to_camera(
     })
 }
 
-/// What a merge needs of a photon, in the order of the map.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MergeRecord {
-    sums: Sums,
-    direction: u32,
-    segments: u32,
-}
-
-/// The records of a map whose photons hold indices into `vertices` in place of directions.
-pub fn merge_records(map: &PhotonMap, vertices: &[StoredVertex]) -> Vec<MergeRecord> {
-    let record = |index: usize| {
-        let vertex = &vertices[map.photon(index).direction as usize];
-        MergeRecord { sums: vertex.sums(), direction: vertex.direction_code(), segments: vertex.segments() }
-    };
-    (0..map.len()).into_par_iter().with_min_len(1 << 14).map(record).collect()
-}
-
 /// Where the photons of a pass are found, and how they count.
-pub struct Merging<'a> {
+pub struct Merging<'a, L> {
     /// All light vertices, as photons.
-    pub map: &'a PhotonMap,
+    pub photons: &'a L,
     /// What else is known of them.
     pub records: &'a [MergeRecord],
     /// How they count by their distance.
@@ -208,38 +190,31 @@ pub struct Merging<'a> {
 /// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`. Where only the nearest count, the
 /// flux is scaled to that radius; weights keep the pixel's `acceptance`, since all techniques must share one to add up to one.
 #[inline]
-pub fn merge(
+pub fn merge<L: PhotonLookup>(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
-    merging: &Merging<'_>,
+    merging: &Merging<'_, L>,
     radius_squared: f32,
     acceptance: f32,
     nearest: &mut Nearest,
 ) -> Gathered {
     let hit = &camera.hit;
-    let facing = hit.outgoing.dot(hit.geometric_normal);
-    let material = walk.scene.material(hit.shape);
-    let query = GatherQuery {
-        position: hit.position,
-        normal: if facing < 0.0 { -hit.geometric_normal } else { hit.geometric_normal },
-        radius_squared,
-        most_segments: walk.limits.most_photon_segments(camera.segments),
-        caustics_only: false,
-        both_sides: material.lobes().any(Lobes::TRANSMISSIVE),
-    };
-    let Merging { map, kernel, neighbors, .. } = *merging;
-    let mut sum = MergeSum::new(walk, camera, merging, acceptance);
+    let receiver = Receiver::new(walk.scene, hit, shading::view(hit, TransportMode::Radiance));
+    let most_segments = walk.limits.most_photon_segments(camera.segments);
+    let query = receiver.query(Counting { radius_squared, most_segments, caustics_only: false });
+    let Merging { photons, kernel, neighbors, .. } = *merging;
+    let mut sum = MergeSum { walk, camera, merging, receiver, acceptance, gathered: Gathered::default() };
     if neighbors > 0 {
-        map.nearest(&query, neighbors as usize, nearest);
+        photons.nearest(&query, neighbors as usize, nearest);
         let nearer = nearest.radius_squared();
         for (distance_squared, index) in nearest.photons() {
             sum.add(index, kernel.weights(distance_squared / nearer).map(|weight| weight * (radius_squared / nearer)));
         }
     } else if kernel == Kernel::Disc {
-        map.visit_indices(&query, |index, is_inner| sum.add(index, [1.0, f32::from(is_inner)]));
+        photons.visit_disc(&query, |index, is_inner| sum.add(index, [1.0, f32::from(is_inner)]));
     } else {
-        map.visit_indices(&query, |index, _| {
-            let offset = Vec3::from_array(map.photon(index).position) - hit.position;
+        photons.visit_disc(&query, |index, _| {
+            let offset = Vec3::from_array(photons.photon(index).position) - hit.position;
             sum.add(index, kernel.weights(offset.length_squared() / radius_squared));
         });
     }
@@ -247,53 +222,38 @@ pub fn merge(
 }
 
 /// The sums of a merge.
-struct MergeSum<'a> {
+struct MergeSum<'a, L> {
     walk: &'a CameraWalk<'a>,
     camera: &'a Vertex,
-    merging: &'a Merging<'a>,
-    material: &'a Material,
-    view: View,
-    constant: Option<Rgb>,
+    merging: &'a Merging<'a, L>,
+    receiver: Receiver<'a>,
     acceptance: f32,
     gathered: Gathered,
 }
 
-impl<'a> MergeSum<'a> {
-    #[inline]
-    fn new(walk: &'a CameraWalk<'a>, camera: &'a Vertex, merging: &'a Merging<'a>, acceptance: f32) -> Self {
-        let material = walk.scene.material(camera.hit.shape);
-        let view = shading::view(&camera.hit, TransportMode::Radiance);
-        let constant = material.constant_value(&view);
-        Self { walk, camera, merging, material, view, constant, acceptance, gathered: Gathered::default() }
-    }
-
-    /// Adds the photon at a place in the map: its shares of the flux and of the inner flux.
+impl<L: PhotonLookup> MergeSum<'_, L> {
+    /// Adds the photon with an index: its shares of the flux and of the inner flux.
     #[inline(always)]
     fn add(&mut self, index: usize, [share, inner_share]: [f32; 2]) {
-        let Self { walk, camera, view, .. } = *self;
-        let light = &self.merging.records[index];
+        let Self { walk, camera, merging, receiver, .. } = self;
+        let light = &merging.records[index];
         if !walk.selection.takes(camera.segments + light.segments, light.segments, camera.segments) {
             return;
         }
         self.gathered.photons += 1.0;
-        let incident = camera.hit.frame.to_local(octahedral::decode(light.direction));
-        // Photons carry their cosine already.
-        let value = match self.constant {
-            Some(value) if incident.z * view.outgoing.z > 0.0 => value,
-            Some(_) => return,
-            None => self.material.evaluate(&view, incident),
-        };
+        let incident = receiver.incident(merging.photons.direction(index));
+        let value = receiver.value(incident);
         if value == Rgb::ZERO {
             return;
         }
         let weight = match walk.selection.show {
             Show::Unweighted => 1.0,
             _ => {
-                let pdf = densities(walk.scene, &camera.hit, &view, incident);
+                let pdf = densities(walk.scene, &camera.hit, receiver.view(), incident);
                 walk.weighting.merged([&camera.sums, &light.sums], pdf, self.acceptance)
             }
         };
-        let carried = camera.throughput * value * self.merging.map.flux(index);
+        let carried = camera.throughput * value * merging.photons.flux(index);
         let shown = walk.selection.shown(carried, weight);
         self.gathered.flux += shown * share;
         self.gathered.inner_flux += shown * inner_share;

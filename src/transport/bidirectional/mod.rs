@@ -26,9 +26,9 @@ mod vertex;
 pub mod weights;
 
 pub use camera_walk::CameraWalk;
-pub use joining::{MergeRecord, Merging, SeenVertex, connect, direct_light, merge, merge_records, to_camera};
+pub use joining::{Merging, SeenVertex, connect, direct_light, merge, to_camera};
 pub use light_walk::LightWalk;
 pub use selection::{Selection, Show};
-pub use stored_vertex::StoredVertex;
+pub use stored_vertex::{MergePhoton, MergeRecord, StoredVertex};
 pub use vertex::Vertex;
 pub use weights::{Heuristic, Measure, Techniques, Weighting};

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::photon::{Photon, PhotonColumns, PhotonColumnsMut};
-use super::{Grid, PhotonMap};
+use super::photon::{Photon, PhotonColumns, PhotonColumnsMut, PhotonRecord};
+use super::{Grid, PhotonLookup, PhotonMap};
 use crate::math::Vec3;
 use crate::scene::Scene;
 use crate::transport::counters::Counters;
@@ -20,8 +20,8 @@ const BUCKETS: usize = 256;
 const PATHS_PER_CHUNK: u32 = 2048;
 
 /// The photons of a chunk of paths, sorted by bucket.
-pub struct PhotonChunk {
-    photons: Vec<Photon>,
+pub struct PhotonChunk<R = Photon> {
+    photons: Vec<R>,
     /// Index of the first photon of each bucket, and the count last.
     bucket_start: Vec<u32>,
 }
@@ -79,11 +79,11 @@ fn drop_non_finite(photons: &mut Vec<Photon>) -> u64 {
     (before - photons.len()) as u64
 }
 
-impl PhotonChunk {
+impl<R: PhotonRecord> PhotonChunk<R> {
     /// Sorts photons by bucket.
-    pub fn sort(photons: &[Photon], grid: &Grid) -> Self {
+    pub fn sort(photons: &[R], grid: &Grid) -> Self {
         let shift = bucket_shift(grid);
-        let buckets: Vec<u8> = photons.iter().map(|photon| (cell_of(grid, photon) >> shift) as u8).collect();
+        let buckets: Vec<u8> = photons.iter().map(|photon| (cell_of(grid, photon.photon()) >> shift) as u8).collect();
         let mut bucket_start = vec![0u32; BUCKETS + 1];
         for bucket in &buckets {
             bucket_start[*bucket as usize + 1] += 1;
@@ -92,7 +92,7 @@ impl PhotonChunk {
             bucket_start[bucket + 1] += bucket_start[bucket];
         }
         let mut next = bucket_start.clone();
-        let mut sorted = vec![Photon::default(); photons.len()];
+        let mut sorted = vec![R::default(); photons.len()];
         for (photon, bucket) in photons.iter().zip(&buckets) {
             let slot = &mut next[*bucket as usize];
             sorted[*slot as usize] = *photon;
@@ -101,23 +101,23 @@ impl PhotonChunk {
         Self { photons: sorted, bucket_start }
     }
 
-    fn bucket(&self, bucket: usize) -> &[Photon] {
+    fn bucket(&self, bucket: usize) -> &[R] {
         &self.photons[self.bucket_start[bucket] as usize..self.bucket_start[bucket + 1] as usize]
     }
 }
 
 /// One bucket of the sorted map, to be filled by one thread.
-struct Bucket<'a> {
+struct Bucket<'a, E> {
     index: usize,
     /// Index of the bucket's first photon in the map.
     first_photon: u32,
     cell_start: &'a mut [u32],
-    photons: PhotonColumnsMut<'a>,
+    photons: PhotonColumnsMut<'a, E>,
 }
 
-impl PhotonMap {
+impl<E: Copy + Default + Send + Sync> PhotonMap<E> {
     /// Sorts chunks of photons into a map.
-    pub fn build(chunks: &[PhotonChunk], grid: Grid) -> Self {
+    pub fn build<R: PhotonRecord<Extra = E>>(chunks: &[PhotonChunk<R>], grid: Grid) -> Self {
         let shift = bucket_shift(&grid);
         let count = chunks.iter().map(|chunk| chunk.photons.len()).sum();
         let mut cell_start = vec![0u32; grid.cell_count() + 1];
@@ -128,7 +128,9 @@ impl PhotonMap {
         cell_start[grid.cell_count()] = count as u32;
         Self { grid, cell_start, photons }
     }
+}
 
+impl PhotonMap {
     /// A map of those photons that `keep` wants, in the order that they have here.
     pub fn select(&self, grid: Grid, keep: impl Fn(&Photon) -> bool) -> Self {
         let photons: Vec<Photon> = (0..self.len()).map(|index| self.photon(index)).filter(keep).collect();
@@ -136,12 +138,12 @@ impl PhotonMap {
     }
 }
 
-fn split_buckets<'a>(
-    chunks: &[PhotonChunk],
+fn split_buckets<'a, R: PhotonRecord>(
+    chunks: &[PhotonChunk<R>],
     shift: u32,
     mut cells: &'a mut [u32],
-    mut columns: PhotonColumnsMut<'a>,
-) -> Vec<Bucket<'a>> {
+    mut columns: PhotonColumnsMut<'a, R::Extra>,
+) -> Vec<Bucket<'a, R::Extra>> {
     let mut buckets = Vec::with_capacity(BUCKETS);
     let mut first_photon = 0;
     for index in 0..BUCKETS {
@@ -156,13 +158,13 @@ fn split_buckets<'a>(
     buckets
 }
 
-impl Bucket<'_> {
+impl<E: Copy> Bucket<'_, E> {
     /// Counting sort by cell.
-    fn fill(mut self, chunks: &[PhotonChunk], grid: &Grid, shift: u32) {
+    fn fill<R: PhotonRecord<Extra = E>>(mut self, chunks: &[PhotonChunk<R>], grid: &Grid, shift: u32) {
         let first_cell = self.index << shift;
         let photons = || chunks.iter().flat_map(|chunk| chunk.bucket(self.index));
         let mut next = vec![0u32; self.cell_start.len() + 1];
-        let cells: Vec<u32> = photons().map(|photon| (cell_of(grid, photon) - first_cell) as u32).collect();
+        let cells: Vec<u32> = photons().map(|photon| (cell_of(grid, photon.photon()) - first_cell) as u32).collect();
         for cell in &cells {
             next[*cell as usize + 1] += 1;
         }

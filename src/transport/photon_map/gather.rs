@@ -1,13 +1,12 @@
 //! The density estimate's inner loop: photons in a disc around a point.
 //!
 //! A photon counts when it lies within the radius, near the tangent plane and on a surface that faces the same way.
-//! Eight are tested at a time without branches; [`PhotonMap::gather`] sums them so too, [`PhotonMap::visit`] is for materials that
-//! look at each photon. Their plain twin, a search through all photons, stands in `tests/gather_twin.rs`.
+//! Eight are tested at a time without branches; where their flux is all that counts they are summed so too. Their plain twin, a search through all photons, stands in `tests/gather_twin.rs`.
 
 use wide::{f32x8, i32x8};
 
 use super::photon::SCATTERED;
-use super::{Photon, PhotonColumns, PhotonMap};
+use super::{Nearest, Photon, PhotonColumns, PhotonLookup, PhotonMap};
 use crate::math::{Rgb, Vec3};
 
 /// How far a photon may lie off the tangent plane, in radii.
@@ -59,6 +58,14 @@ impl Gathered {
         self.inner_flux += other.inner_flux * factor;
         self.photons += other.photons;
     }
+
+    /// Adds one photon.
+    #[inline(always)]
+    pub fn add_photon(&mut self, flux: Rgb, is_inner: bool) {
+        self.flux += flux;
+        self.inner_flux += if is_inner { flux } else { Rgb::ZERO };
+        self.photons += 1.0;
+    }
 }
 
 pub(super) const LANES: usize = 8;
@@ -87,10 +94,9 @@ fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-impl PhotonMap {
-    /// Sums the flux of all photons that count.
+impl<E: Sync> PhotonLookup for PhotonMap<E> {
     #[inline]
-    pub fn gather(&self, query: &GatherQuery) -> Gathered {
+    fn gather(&self, query: &GatherQuery) -> Gathered {
         let mut sums = LaneSums::default();
         let test = LaneTest::new(query);
         self.for_each_run(query, |first, last| self.sum_run(first, last, &test, &mut sums));
@@ -103,16 +109,8 @@ impl PhotonMap {
         }
     }
 
-    /// Shows every photon that counts to `visit`, in the map's order, and whether it lies inside half the disc's area.
     #[inline]
-    pub fn visit(&self, query: &GatherQuery, mut visit: impl FnMut(&Photon, bool)) {
-        self.visit_indices(query, |index, is_inner| visit(&self.photon(index), is_inner));
-    }
-
-    /// Shows the place in the map of every photon that counts to `visit`, in ascending order, and whether it lies inside
-    /// half the disc's area.
-    #[inline]
-    pub fn visit_indices(&self, query: &GatherQuery, mut visit: impl FnMut(usize, bool)) {
+    fn visit_disc(&self, query: &GatherQuery, mut visit: impl FnMut(usize, bool)) {
         let test = LaneTest::new(query);
         self.for_each_run(query, |first, last| {
             for index in (first..last).step_by(LANES) {
@@ -127,6 +125,43 @@ impl PhotonMap {
         });
     }
 
+    #[inline]
+    fn nearest(&self, query: &GatherQuery, count: usize, found: &mut Nearest) {
+        self.find_nearest(query, count, found);
+    }
+
+    #[inline]
+    fn flux(&self, index: usize) -> Rgb {
+        let [red, green, blue] = &self.photons.flux;
+        Rgb::new(red[index], green[index], blue[index])
+    }
+
+    #[inline]
+    fn photon(&self, index: usize) -> Photon {
+        let columns = &self.photons;
+        Photon {
+            position: [0, 1, 2].map(|axis| columns.position[axis][index]),
+            direction: columns.direction[index],
+            normal_and_segments: columns.normal_and_segments[index],
+            flux: [0, 1, 2].map(|channel| columns.flux[channel][index]),
+        }
+    }
+
+    #[inline]
+    fn direction(&self, index: usize) -> u32 {
+        self.photons.direction[index]
+    }
+
+    fn len(&self) -> usize {
+        self.cell_start.last().map_or(0, |count| *count as usize)
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.cell_start.as_slice()) + self.photons.bytes()
+    }
+}
+
+impl<E> PhotonMap<E> {
     /// Calls `run` with the index range of each run of photons that may count.
     #[inline]
     pub(super) fn for_each_run(&self, query: &GatherQuery, mut run: impl FnMut(usize, usize)) {
@@ -154,25 +189,6 @@ impl PhotonMap {
                 sums.flux[channel] += counts & flux;
                 sums.inner_flux[channel] += inner & flux;
             }
-        }
-    }
-
-    /// The flux of the photon at a place in the map, W.
-    #[inline]
-    pub fn flux(&self, index: usize) -> Rgb {
-        let [red, green, blue] = &self.photons.flux;
-        Rgb::new(red[index], green[index], blue[index])
-    }
-
-    /// The photon at a place in the map.
-    #[inline]
-    pub fn photon(&self, index: usize) -> Photon {
-        let columns = &self.photons;
-        Photon {
-            position: [0, 1, 2].map(|axis| columns.position[axis][index]),
-            direction: columns.direction[index],
-            normal_and_segments: columns.normal_and_segments[index],
-            flux: [0, 1, 2].map(|channel| columns.flux[channel][index]),
         }
     }
 }
@@ -206,7 +222,7 @@ impl LaneTest {
     /// All bits of the lanes whose photon counts, of eight from `index` on and before `last`; and of those whose photon counts
     /// and lies inside half the disc's area.
     #[inline(always)]
-    fn count(&self, photons: &PhotonColumns, index: usize, last: usize) -> (f32x8, f32x8) {
+    fn count<E>(&self, photons: &PhotonColumns<E>, index: usize, last: usize) -> (f32x8, f32x8) {
         let seen = self.look(photons, index, last);
         let flat = seen.height.abs().simd_le(self.flatness) & seen.suitable;
         let counts = seen.distance_squared.simd_lt(self.radius_squared) & flat;
@@ -215,7 +231,7 @@ impl LaneTest {
 
     /// Eight photons from `index` on and before `last`, whatever their distance.
     #[inline(always)]
-    pub(super) fn look(&self, photons: &PhotonColumns, index: usize, last: usize) -> LaneView {
+    pub(super) fn look<E>(&self, photons: &PhotonColumns<E>, index: usize, last: usize) -> LaneView {
         let [x, y, z] = &photons.position;
         let offset =
             [lanes(x, index) - self.center[0], lanes(y, index) - self.center[1], lanes(z, index) - self.center[2]];

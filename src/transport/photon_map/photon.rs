@@ -19,6 +19,30 @@ pub struct Photon {
     pub flux: [f32; 3],
 }
 
+/// What is sorted into a map: a photon, and what else a method needs of it.
+pub trait PhotonRecord: Copy + Default + Send + Sync {
+    /// What else there is; `()` for nothing.
+    type Extra: Copy + Default + Send + Sync;
+
+    /// The photon.
+    fn photon(&self) -> &Photon;
+
+    /// What else there is of it.
+    fn extra(&self) -> Self::Extra;
+}
+
+impl PhotonRecord for Photon {
+    type Extra = ();
+
+    #[inline]
+    fn photon(&self) -> &Photon {
+        self
+    }
+
+    #[inline]
+    fn extra(&self) {}
+}
+
 /// The bit of a photon's top byte that says that a lobe with a density scattered it on its way: it is no caustic.
 pub(super) const SCATTERED: u32 = 0x80;
 /// The largest segment count that a photon keeps; longer paths count as this.
@@ -66,7 +90,7 @@ const PADDING: usize = 8;
 
 /// Sorted photons, one column per component.
 #[derive(Clone, Debug, Default)]
-pub struct PhotonColumns {
+pub struct PhotonColumns<E = ()> {
     /// x, y, z, m.
     pub position: [Vec<f32>; 3],
     /// See [`Photon::normal_and_segments`].
@@ -75,17 +99,20 @@ pub struct PhotonColumns {
     pub flux: [Vec<f32>; 3],
     /// See [`Photon::direction`].
     pub direction: Vec<u32>,
+    /// See [`PhotonRecord::Extra`]; without padding.
+    pub extra: Vec<E>,
 }
 
 /// A run of every column, to be filled by one thread.
-pub struct PhotonColumnsMut<'a> {
+pub struct PhotonColumnsMut<'a, E = ()> {
     position: [&'a mut [f32]; 3],
     normal_and_segments: &'a mut [u32],
     flux: [&'a mut [f32]; 3],
     direction: &'a mut [u32],
+    extra: &'a mut [E],
 }
 
-impl PhotonColumns {
+impl<E: Copy + Default> PhotonColumns<E> {
     /// Columns of zeros for `count` photons.
     pub fn zeroed(count: usize) -> Self {
         let floats = || vec![0.0; count + PADDING];
@@ -95,46 +122,64 @@ impl PhotonColumns {
             normal_and_segments: words(),
             flux: [floats(), floats(), floats()],
             direction: words(),
+            extra: vec![E::default(); count],
         }
     }
 
     /// All columns from the first to the last photon.
-    pub fn as_mut(&mut self) -> PhotonColumnsMut<'_> {
-        let Self { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction } = self;
-        PhotonColumnsMut { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction }
+    pub fn as_mut(&mut self) -> PhotonColumnsMut<'_, E> {
+        let Self { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction, extra } = self;
+        PhotonColumnsMut { position: [x, y, z], normal_and_segments, flux: [red, green, blue], direction, extra }
     }
 }
 
-impl<'a> PhotonColumnsMut<'a> {
+impl<E> PhotonColumns<E> {
+    /// Memory of all columns, bytes.
+    pub fn bytes(&self) -> usize {
+        let Self { position, normal_and_segments, flux, direction, extra } = self;
+        let floats: usize = position.iter().chain(flux).map(|column| size_of_val(column.as_slice())).sum();
+        floats
+            + size_of_val(normal_and_segments.as_slice())
+            + size_of_val(direction.as_slice())
+            + size_of_val(extra.as_slice())
+    }
+}
+
+impl<'a, E: Copy> PhotonColumnsMut<'a, E> {
     /// The first `count` entries, and the rest.
     pub fn split(self, count: usize) -> (Self, Self) {
         let [x, y, z] = self.position.map(|column| column.split_at_mut(count));
         let [red, green, blue] = self.flux.map(|column| column.split_at_mut(count));
         let normals = self.normal_and_segments.split_at_mut(count);
         let directions = self.direction.split_at_mut(count);
+        let extras = self.extra.split_at_mut(count);
         let first = Self {
             position: [x.0, y.0, z.0],
             normal_and_segments: normals.0,
             flux: [red.0, green.0, blue.0],
             direction: directions.0,
+            extra: extras.0,
         };
         let rest = PhotonColumnsMut {
             position: [x.1, y.1, z.1],
             normal_and_segments: normals.1,
             flux: [red.1, green.1, blue.1],
             direction: directions.1,
+            extra: extras.1,
         };
         (first, rest)
     }
 
-    /// Writes a photon.
+    /// Writes a photon and what else there is of it.
     #[inline]
-    pub fn set(&mut self, index: usize, photon: &Photon) {
+    pub fn set<R: PhotonRecord<Extra = E>>(&mut self, index: usize, record: &R) {
+        let photon = record.photon();
         for axis in 0..3 {
             self.position[axis][index] = photon.position[axis];
             self.flux[axis][index] = photon.flux[axis];
         }
         self.normal_and_segments[index] = photon.normal_and_segments;
         self.direction[index] = photon.direction;
+        self.extra[index] = record.extra();
     }
 }
