@@ -21,7 +21,7 @@ use photonfarm::farm::dial::Dialer;
 use photonfarm::farm::ids::JobId;
 use photonfarm::farm::job::{JobRequest, JobState, StopRule};
 use photonfarm::farm::prepared_scenes::PreparedScenes;
-use photonfarm::farm::store::{Store, StoreLocation};
+use photonfarm::farm::store::{Store, StoreError, StoreLocation};
 use photonfarm::farm::worker::{WorkerOptions, run_worker};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, LocalFarm, http};
 use seeds::{Faults, Schedules, run_seeds};
@@ -38,6 +38,8 @@ const FAULTS_UNTIL: f64 = 60.0;
 const END: f64 = 900.0;
 /// Simulated time runs ahead of a database whose disk is busy, so it has at least so much of the machine's.
 const PATIENCE: Duration = Duration::from_secs(120);
+/// After so many seconds a coordinator that gave up is started again.
+const RESTART: f64 = 1.0;
 const TICK: Duration = Duration::from_millis(10);
 const LEASE: Duration = Duration::from_secs(4);
 const PORT: u16 = 80;
@@ -122,6 +124,24 @@ async fn run_coordinator(folder: PathBuf, made: Made) -> Fallible<()> {
         ended = axum::serve(listener, application) => Ok(ended?),
         ended = work => ended,
     }
+}
+
+/// Whether the database had no connection to give in time: simulated time does not wait for a busy disk.
+fn is_starved(problem: &(dyn Error + 'static)) -> bool {
+    let mut cause = Some(problem);
+    while let Some(error) = cause {
+        let is_timeout = |error: &sqlx::Error| matches!(error, sqlx::Error::PoolTimedOut);
+        let found = match error.downcast_ref::<StoreError>() {
+            Some(StoreError::Open { problem, .. }) => *problem == sqlx::Error::PoolTimedOut.to_string(),
+            Some(StoreError::Records(error)) => is_timeout(error),
+            _ => error.downcast_ref::<sqlx::Error>().is_some_and(is_timeout),
+        };
+        if found {
+            return true;
+        }
+        cause = error.source();
+    }
+    false
 }
 
 /// Turmoil's listener as axum wants one.
@@ -217,9 +237,13 @@ impl Network<'_> {
         self.remedies.push((end, remedy));
     }
 
-    /// Ends the faults whose time has come.
+    /// Ends the faults whose time has come; a coordinator that gave up by itself is started again soon.
     fn heal(&mut self) {
         let now = self.now();
+        let is_start = |remedy: &Remedy| matches!(remedy, Remedy::Start(host) if host == COORDINATOR);
+        if !self.sim.is_host_running(COORDINATOR) && !self.remedies.iter().any(|(_, remedy)| is_start(remedy)) {
+            self.remedies.push((now + RESTART, Remedy::Start(COORDINATOR.to_owned())));
+        }
         let (over, rest) = std::mem::take(&mut self.remedies).into_iter().partition(|(end, _)| *end <= now);
         self.remedies = rest;
         let over: Vec<(f64, Remedy)> = over;
@@ -253,7 +277,13 @@ fn simulate(seed: u64, is_told: bool, folder: &Path) -> (Vec<u32>, Faults) {
     // A task of its own: what it holds when it crashes is dropped inside its runtime.
     sim.host(COORDINATOR, move || {
         let coordinator = run_coordinator(folder.clone(), seen.clone());
-        async { tokio::spawn(coordinator).await?.map_err(|problem| problem.to_string().into()) }
+        async {
+            match tokio::spawn(coordinator).await? {
+                // Whoever keeps a coordinator running starts it again: see `heal`.
+                Err(problem) if is_starved(problem.as_ref()) => Ok(()),
+                ended => ended.map_err(|problem| problem.to_string().into()),
+            }
+        }
     });
     let workers: Vec<String> = (0..1 + random.below(4)).map(|index| format!("worker-{index}")).collect();
     for name in workers.clone() {
