@@ -42,7 +42,7 @@ fn snapshot() -> Snapshot {
     let estimate = Estimate::new(WIDTH, HEIGHT, &[region], declaration, &first).expect("one radius per pixel");
     let field = SnapshotField { key: FieldKey { epoch: 0, region: 0 }, field: estimate.radius_field(region) };
     let plan = Plan::new(WIDTH, HEIGHT, 4_000_000, Some(1000), RadiusRule::Statistics);
-    Snapshot { plan, estimate, merged: 0, next_look: 2, error: None, fields: vec![field] }
+    Snapshot { plan, estimate, merged: 0, next_look: 2, error: None, fields: vec![field], emission_guide: Vec::new() }
 }
 
 #[divan::bench(sample_count = 10, sample_size = 1)]

@@ -33,7 +33,7 @@ fn methods_store_only_what_they_declare() {
     ];
     for (method, parameters, bytes, planes) in cases {
         let job = Job::new(&scene, method, parameters);
-        let estimate = job.begin();
+        let estimate = job.begin().estimate;
         assert_eq!(estimate.bytes_per_pixel(), bytes, "{method} {parameters}");
         assert_eq!(estimate.declaration().planes.len(), planes, "{method} {parameters}");
         let radii = estimate.radius_field(job.region()).radius_squared.len();

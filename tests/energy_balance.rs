@@ -15,6 +15,7 @@ use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
 use photonfarm::scene::light::Light;
 use photonfarm::scene::material::{TransportMode, View};
+use photonfarm::transport::photon_map::Photon;
 use photonfarm::transport::photon_tracing::{PhotonSettings, trace_photon};
 use photonfarm::transport::{Counters, Limits};
 use scene_text::prepare;
@@ -31,8 +32,9 @@ fn stored_flux(scene: &Scene, most_segments: Option<u32>) -> (f64, f64) {
         narrow_takes_all: false,
         random: &random,
         paths: PATHS,
+        guide: None,
     };
-    let (mut photons, mut counters) = (Vec::new(), Counters::default());
+    let (mut photons, mut counters) = (Vec::<Photon>::new(), Counters::default());
     let (mut sum, mut squares) = (0.0, 0.0);
     for path in 0..PATHS {
         photons.clear();

@@ -208,6 +208,23 @@ async fn every_method_has_the_same_bits_from_one_worker_and_from_four() {
     }
 }
 
+/// The guide that one worker learns reaches all others before their first shard.
+#[tokio::test(flavor = "multi_thread")]
+async fn guided_photons_have_the_same_bits_from_one_worker_and_from_four() {
+    for method in ["sppm", "ppm"] {
+        let mut pictures = Vec::new();
+        for (workers, threads, emission) in [(1, 1, "guided"), (4, 1, "guided"), (1, 2, "guided"), (1, 1, "power")] {
+            let farm = Farm::start(Duration::from_secs(15)).await;
+            let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), threads)).collect();
+            let parameters = [("emission".to_owned(), json!(emission)), ("photons_per_pass".to_owned(), json!(3000))];
+            let id = farm.submit_method(Some(method), serde_json::Map::from_iter(parameters), passes(40)).await;
+            pictures.push(farm.bits(id).await);
+        }
+        assert!(pictures[0] == pictures[1] && pictures[1] == pictures[2], "{method}");
+        assert!(pictures[2] != pictures[3], "{method}: photons start elsewhere than by power");
+    }
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn killed_workers_do_not_change_the_picture() {
     let farm = Farm::start(Duration::from_millis(600)).await;

@@ -60,7 +60,7 @@ fn run(scene: &Arc<Scene>, checked: &CheckedMethod) -> Estimate {
     let regions = vec![Region { row_start: 0, row_end: CUT }, Region { row_start: CUT, row_end: scene.height }];
     let mut plan = Plan::new(scene.width, scene.height, 1, Some(PASSES), renderer.declaration().radius_rule);
     (plan.regions, plan.passes_per_shard, plan.shards_per_epoch) = (regions, 2, 4);
-    let mut estimate = begin(scene, &renderer, &plan.regions);
+    let (mut estimate, renderer) = begin(scene, &renderer, &plan.regions);
     let mut fields: BTreeMap<(u32, u32), RadiusField> = BTreeMap::new();
     let take_fields = |estimate: &Estimate, epoch: u32, fields: &mut BTreeMap<(u32, u32), RadiusField>| {
         for (index, region) in plan.regions.iter().enumerate() {
@@ -81,10 +81,13 @@ fn run(scene: &Arc<Scene>, checked: &CheckedMethod) -> Estimate {
     estimate
 }
 
-fn begin(scene: &Scene, renderer: &Renderer, regions: &[Region]) -> Estimate {
+/// The estimate before the first pass, and the renderer of the passes.
+fn begin(scene: &Scene, renderer: &Renderer, regions: &[Region]) -> (Estimate, Renderer) {
     let pilot = renderer.pilot(&AtomicBool::new(false)).expect("nobody cancels");
     let declaration = renderer.declaration().clone();
-    Estimate::new(scene.width, scene.height, regions, declaration, pilot.radius_squared()).expect("the pilot fits")
+    let estimate = Estimate::new(scene.width, scene.height, regions, declaration, pilot.radius_squared());
+    let renderer = renderer.guided(pilot.emission_guide()).expect("the pilot fits the lights");
+    (estimate.expect("the pilot fits"), renderer)
 }
 
 fn radius_and_photons(estimate: &Estimate) -> [Vec<f32>; 2] {

@@ -14,7 +14,7 @@ const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
 
 fn job(passes: u32, seed: u64) -> Value {
     json!({ "scene_inline": SCENE, "method": "sppm", "seed": seed,
-        "parameters": { "photons_per_pass": 20_000 }, "stop": { "passes": passes } })
+        "parameters": { "photons_per_pass": 20_000, "emission": "guided" }, "stop": { "passes": passes } })
 }
 
 async fn passes_done(coordinator: &Coordinator, id: &str) -> u64 {

@@ -6,6 +6,7 @@ use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Reg
 use photonfarm::farm::ids::{Fencing, JobId, LeaseId};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::wire::first_surfaces;
+use photonfarm::farm::wire::guide;
 use photonfarm::farm::wire::lease::{
     ChoiceTerms, JobDescription, LeasedWork, ShardTerms, WorkerLease, decode_lease, encode_lease,
 };
@@ -85,6 +86,18 @@ fn radius_fields_and_pilots_keep_every_bit() {
         (read.cost_per_pass(), read.count("paths"), read.field("importance")),
         (77, Some(u64::MAX), Some(&[-1.0, 0.0, 1e30][..]))
     );
+}
+
+#[test]
+fn emission_guides_keep_every_bit() {
+    for values in [vec![], vec![-1.0, 0.25, 0.75], (0..100_000).map(|index| 1.0 / (1 + index) as f32).collect()] {
+        assert_eq!(guide::decode(&guide::encode(&values)), Ok(values));
+    }
+    let message = guide::encode(&[-1.0, 0.25, 0.75]);
+    for length in [0, 2, 4, 1 << 30, u64::MAX] {
+        let wrong = messages::EmissionGuide { length, ..message.clone() };
+        assert!(guide::decode(&wrong).is_err(), "{length} numbers");
+    }
 }
 
 fn lease(work: LeasedWork) -> WorkerLease {

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use super::stopwatch::{Spent, Stopwatch, StopwatchError};
 use crate::estimate::{ErrorEstimate, Estimate, EstimateError, MergeError, Picture, RadiusField, Region, Shard};
 use crate::method::{CheckedMethod, MethodError};
-use crate::render::{Cancelled, Renderer};
+use crate::render::{Cancelled, GuideError, Renderer};
 use crate::scene::Scene;
 
 /// Passes traced with one radius field, as many as a small farm has in flight.
@@ -21,6 +21,9 @@ pub enum RunError {
     /// The caller asked to stop.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// The pilot does not fit the scene's lights.
+    #[error(transparent)]
+    Guide(#[from] GuideError),
     /// The pilot does not fit the picture.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
@@ -56,6 +59,7 @@ impl Run {
         let never = AtomicBool::new(false);
         let region = Region { row_start: 0, row_end: scene.height };
         let pilot = renderer.pilot(&never)?;
+        let renderer = renderer.guided(pilot.emission_guide())?;
         let declaration = renderer.declaration().clone();
         let estimate = Estimate::new(scene.width, scene.height, &[region], declaration, pilot.radius_squared())?;
         let field = estimate.radius_field(region);

@@ -2,11 +2,11 @@
 //! happened.
 //!
 //! ```text
-//! "photonfarm snapshot 1\n"   block: header (JSON)   block: estimate   block: radius field   block: radius field   …
+//! "photonfarm snapshot 1\n"   block: header (JSON)   block: estimate   block: radius field   block: radius field   …   block: emission guide
 //! ```
 //!
-//! A block is its length (u64, little-endian) and its bytes; the estimate's are those of [`estimate::snapshot`], a radius field's are byte
-//! planes as on the wire.
+//! A block is its length (u64, little-endian) and its bytes; the estimate's are those of [`estimate::snapshot`], those of a radius field and
+//! of an emission guide are byte planes as on the wire. Jobs whose photons start by power have no guide.
 
 use serde::{Deserialize, Serialize};
 
@@ -52,6 +52,8 @@ pub struct Snapshot {
     pub error: Option<MeasuredError>,
     /// Radius fields that later shards need.
     pub fields: Vec<SnapshotField>,
+    /// Where photons start, as numbers; empty for emission by power.
+    pub emission_guide: Vec<f32>,
 }
 
 /// A snapshot that cannot be read.
@@ -68,6 +70,9 @@ struct Header {
     next_look: u64,
     error: Option<MeasuredError>,
     fields: Vec<FieldHeader>,
+    /// Numbers of the emission guide.
+    #[serde(default)]
+    guide_values: usize,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -88,7 +93,7 @@ impl BadSnapshot {
 impl Snapshot {
     /// To bytes.
     pub fn encode(&self) -> Result<Vec<u8>, BadSnapshot> {
-        let Self { plan, estimate, merged, next_look, error, fields } = self;
+        let Self { plan, estimate, merged, next_look, error, fields, emission_guide } = self;
         let field = |field: &SnapshotField| FieldHeader {
             key: field.key,
             base_pass: field.field.base_pass,
@@ -101,12 +106,16 @@ impl Snapshot {
             next_look: *next_look,
             error: *error,
             fields: fields.iter().map(field).collect(),
+            guide_values: emission_guide.len(),
         };
         let mut bytes = MAGIC.to_vec();
         append(&mut bytes, &serde_json::to_vec(&header).map_err(BadSnapshot::because)?);
         append(&mut bytes, &estimate::snapshot::encode(estimate).map_err(BadSnapshot::because)?);
         for SnapshotField { field, .. } in fields {
             append(&mut bytes, &planes::compress(&field.radius_squared));
+        }
+        if !emission_guide.is_empty() {
+            append(&mut bytes, &planes::compress(emission_guide));
         }
         Ok(bytes)
     }
@@ -118,7 +127,7 @@ impl Snapshot {
     pub fn decode(bytes: &[u8]) -> Result<Self, BadSnapshot> {
         let mut rest = bytes.strip_prefix(MAGIC).ok_or_else(|| BadSnapshot("it is of another version".to_owned()))?;
         let header: Header = serde_json::from_slice(take(&mut rest)?).map_err(BadSnapshot::because)?;
-        let Header { plan, merged, next_look, error, fields } = header;
+        let Header { plan, merged, next_look, error, fields, guide_values } = header;
         let estimate = estimate::snapshot::decode(take(&mut rest)?).map_err(BadSnapshot::because)?;
         let regions = estimate.progress.iter().map(|progress| progress.region);
         if (estimate.width, estimate.height) != (plan.width, plan.height) || !regions.eq(plan.regions.iter().copied()) {
@@ -131,8 +140,12 @@ impl Snapshot {
                 planes::decompress(take(&mut rest)?, pixels.min(count)).map_err(BadSnapshot::because)?;
             Ok(SnapshotField { key, field: RadiusField { radius_squared, base_pass, typical_radius_squared } })
         };
-        let fields: Result<Vec<SnapshotField>, BadSnapshot> = fields.into_iter().map(field).collect();
-        Ok(Self { plan, estimate, merged, next_look, error, fields: fields? })
+        let fields = fields.into_iter().map(field).collect::<Result<Vec<SnapshotField>, BadSnapshot>>()?;
+        let emission_guide = match guide_values {
+            0 => Vec::new(),
+            count => planes::decompress(take(&mut rest)?, count).map_err(BadSnapshot::because)?,
+        };
+        Ok(Self { plan, estimate, merged, next_look, error, fields, emission_guide })
     }
 }
 
@@ -166,7 +179,8 @@ mod tests {
         let estimate = Estimate::new(70, 50, &plan.regions, declaration, &first).expect("they fit");
         let field = estimate.radius_field(plan.regions[0]);
         let fields = vec![SnapshotField { key: FieldKey { epoch: 2, region: 0 }, field }];
-        let snapshot = Snapshot { plan, estimate, merged: 17, next_look: 20, error: None, fields };
+        let emission_guide = vec![-1.0, 0.25, 0.75];
+        let snapshot = Snapshot { plan, estimate, merged: 17, next_look: 20, error: None, fields, emission_guide };
         let bytes = snapshot.encode().expect("plain data");
         assert_eq!(Snapshot::decode(&bytes).as_ref(), Ok(&snapshot));
         for length in (0..bytes.len()).step_by(997) {

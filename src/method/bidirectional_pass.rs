@@ -11,8 +11,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings};
-use super::parameter_values::{Auto, DirectLight};
+use super::parameter_values::{Auto, DirectLight, Emission};
 use super::photon_pass::{PhotonPasses, add_to_tally};
+use super::pilot::CameraPaths;
 use super::{Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
 use crate::math::random::{PassRandom, PathRandom, Stream};
@@ -87,6 +88,7 @@ impl BidirectionalPasses {
             follows_narrow: true,
             photons_per_pass: light_paths,
             first_radius: settings.merging.first_radius,
+            emission: Emission::Power,
         };
         let weighting = settings.weighting(light_paths);
         Self { scene, seed, settings, weighting, light_paths, pilot }
@@ -293,7 +295,8 @@ impl PreparedMethod for BidirectionalPasses {
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
         if self.uses(Techniques::MERGE) {
-            let (mut radii, counters) = self.pilot.pilot(cancel)?;
+            let found = self.pilot.pilot(&CameraPaths::new(&self.pilot), cancel)?;
+            let (mut radii, counters) = (found.radius_squared, found.counters);
             if self.pilot.first_radius == Auto::Auto {
                 let share = match self.settings.merging.neighbors {
                     0 => MERGED_SHARE,
@@ -305,7 +308,8 @@ impl PreparedMethod for BidirectionalPasses {
         }
         // There is no radius to find; a pass tells what passes cost.
         let region = Region { row_start: 0, row_end: self.scene.height };
-        let pass = Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0 };
+        let pass =
+            Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0, guide: None };
         let mut nobody_looks = vec![PixelTally::default(); self.scene.pixel_count()];
         Some(PilotPass::without_fields(self.trace_pass(&pass, &mut nobody_looks, cancel)?))
     }

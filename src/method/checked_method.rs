@@ -21,6 +21,11 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
     /// What is gathered in discs.
     fn gathering(&self) -> Gathering;
 
+    /// Whether its pilot may find a guide for photons.
+    fn may_guide_photons(&self) -> bool {
+        false
+    }
+
     /// What becomes of its bias, where the table says `usual` of the method.
     fn bias(&self, usual: Bias) -> Bias {
         usual
@@ -91,6 +96,11 @@ impl CheckedMethod {
         let choice = MethodChoice { name: choice.name.clone(), parameters: parameters.written_out() };
         let passes = parameters.passes();
         Ok(Self { choice, photons_per_pass, passes, entry, parameters: parameters.into() })
+    }
+
+    /// Whether its pilot may find a guide for photons, which its passes then need.
+    pub fn may_guide_photons(&self) -> bool {
+        self.parameters.may_guide_photons()
     }
 }
 

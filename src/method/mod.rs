@@ -6,6 +6,7 @@ pub mod bdpt;
 pub mod bidirectional_pass;
 pub mod bidirectional_settings;
 pub mod checked_method;
+pub mod gather_ends;
 pub mod light_tracing;
 pub mod parameter_values;
 pub mod parameters;
@@ -13,6 +14,7 @@ pub mod path;
 pub mod pbdpm;
 pub mod photon_map;
 pub mod photon_pass;
+pub mod pilot;
 pub mod ppm;
 pub mod shared_parameters;
 pub mod sppm;
@@ -26,8 +28,11 @@ use serde::{Deserialize, Serialize};
 use crate::estimate::{Declaration, PixelTally, Region};
 use crate::scene::Scene;
 use crate::scene::error::nearest_name;
+use crate::scene::light::emission_guide::EmissionGuide;
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
+
+pub use crate::scene::light::emission_guide::MOST_VALUES as MOST_GUIDE_VALUES;
 
 pub use checked_method::{CheckedMethod, Gathering, ParameterizedMethod};
 pub use parameters::ParameterHelp;
@@ -144,6 +149,9 @@ pub trait PreparedMethod: Send + Sync {
 /// The name of the pilot's field of first radii², m², one per pixel of the picture.
 pub const FIRST_RADIUS_SQUARED: &str = "first_radius_squared";
 
+/// The name of the pilot's field that says where photons start, an [`EmissionGuide`] as numbers; absent for emission by power.
+pub const EMISSION_GUIDE: &str = "emission_guide";
+
 /// Numbers that a pilot finds, by name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PilotField {
@@ -169,6 +177,14 @@ impl PilotPass {
         Self { fields: vec![field], counters }
     }
 
+    /// The same, with a guide if there is one.
+    #[must_use]
+    pub fn and_guide(mut self, guide: Option<Vec<f32>>) -> Self {
+        let field = |values| PilotField { name: EMISSION_GUIDE.to_owned(), values };
+        self.fields.extend(guide.map(field));
+        self
+    }
+
     /// A method without radii has only costs to find.
     pub fn without_fields(counters: Counters) -> Self {
         Self { fields: Vec::new(), counters }
@@ -188,6 +204,8 @@ pub struct Pass<'a> {
     pub scale: f32,
     /// Typical R² of this pass over the whole picture, m².
     pub typical_radius_squared: f32,
+    /// Where photons start; by power without one.
+    pub guide: Option<&'a EmissionGuide>,
 }
 
 /// A method by name, with the parameters that the user set.

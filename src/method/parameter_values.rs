@@ -229,6 +229,22 @@ impl ParameterValue for DirectLight {
     const RANGE: &'static str = "sample, photons";
 }
 
+/// Where on lights photons start, and in which directions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Emission {
+    /// Guided where the pilot finds that it helps.
+    Auto,
+    /// By power.
+    Power,
+    /// As the pilot learns from what photons are to the picture.
+    Guided,
+}
+
+impl ParameterValue for Emission {
+    const RANGE: &'static str = "auto, power, guided";
+}
+
 /// How photon-path pairs are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

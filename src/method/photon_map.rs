@@ -40,15 +40,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameter_values::{Auto, Depth, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits};
+use super::gather_ends::GatherEnds;
+use super::parameter_values::{Auto, Depth, Emission, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::shared_parameters::{MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
+use super::shared_parameters::{EMISSION, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension, spread};
 use crate::scene::Scene;
+use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::direct_light::direct_light;
@@ -106,6 +108,7 @@ parameters! {
             "auto: half the area that k photons take on average",
         ),
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
+        emission: Emission = EMISSION,
         final_gather: GatherRays = parameter(
             "gather rays per camera path; 0 looks at the global map directly",
             GatherRays::new(4).expect("in range"),
@@ -131,6 +134,10 @@ impl ParameterizedMethod for Parameters {
         Gathering::Nothing
     }
 
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
+    }
+
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let scene_radius = scene.geometry.bounding_sphere().1;
         let look_up = |neighbors: Neighbors| self.look_up(neighbors.get(), scene_radius, photons_per_pass);
@@ -141,6 +148,7 @@ impl ParameterizedMethod for Parameters {
             global: look_up(self.neighbors),
             caustic: look_up(self.caustic_neighbors),
             gather_rays: self.final_gather.get(),
+            emission: self.emission,
             scene,
         })
     }
@@ -179,6 +187,7 @@ struct TwoPasses {
     global: LookUp,
     caustic: LookUp,
     gather_rays: u32,
+    emission: Emission,
 }
 
 /// How a map is looked at.
@@ -198,16 +207,17 @@ struct Maps {
 
 impl TwoPasses {
     /// First pass: traces and sorts photons.
-    fn trace_photons(&self, stream: Stream, pass: u32, cancel: &AtomicBool) -> Option<(Maps, Counters)> {
-        let random = PassRandom::independent(self.seed, stream, pass);
+    fn trace_photons(&self, stream: Stream, pass: &Pass<'_>, cancel: &AtomicBool) -> Option<(Maps, Counters)> {
+        let random = PassRandom::independent(self.seed, stream, pass.index);
         let settings = PhotonSettings {
             limits: self.limits,
             first_stored_segment: 1,
             narrow_takes_all: false,
             random: &random,
             paths: self.photons_per_pass,
+            guide: pass.guide,
         };
-        let (chunks, counters) = maps::trace(&self.scene, &settings, &self.grid(&self.global), cancel)?;
+        let (chunks, counters) = maps::trace::<Photon>(&self.scene, &settings, &self.grid(&self.global), cancel)?;
         let all = PhotonMap::build(&chunks, self.grid(&self.global));
         let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
         let global = match self.gather_rays {
@@ -231,7 +241,7 @@ impl TwoPasses {
         pixels: &mut [PixelTally],
         cancel: &AtomicBool,
     ) -> Option<Counters> {
-        let (maps, mut total) = self.trace_photons(streams[0], pass.index, cancel)?;
+        let (maps, mut total) = self.trace_photons(streams[0], pass, cancel)?;
         let width = self.scene.width as usize;
         let random = PassRandom::of_pixels(self.seed, streams[1], pass.index);
         let trace_row = |(row, tallies): (usize, &mut [PixelTally])| {
@@ -361,10 +371,26 @@ impl PreparedMethod for TwoPasses {
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
         let region = Region { row_start: 0, row_end: self.scene.height };
         let count = self.scene.pixel_count();
-        let pass = Pass { index: PILOT_PASS, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0 };
+        let ends = GatherEnds {
+            scene: &self.scene,
+            limits: self.limits,
+            gathers: self.gather_rays > 0,
+            random: PassRandom::of_pixels(self.seed, Stream::PilotCamera, PILOT_PASS),
+        };
+        let values = ends.learn(self.seed, self.photons_per_pass, self.emission, cancel)?;
+        // They were read once already.
+        let guide = values.as_ref().and_then(|values| EmissionGuide::new(values, &self.scene.lights).ok());
+        let pass = Pass {
+            index: PILOT_PASS,
+            region,
+            radius_squared: &[],
+            scale: 1.0,
+            typical_radius_squared: 1.0,
+            guide: guide.as_ref(),
+        };
         let mut nobody_looks = vec![PixelTally::default(); count];
         let mut counters = self.trace([Stream::PilotPhoton, Stream::PilotCamera], &pass, &mut nobody_looks, cancel)?;
         counters.rays += count as u64 * (1 + u64::from(self.gather_rays)) * RAYS_PER_LOOKUP;
-        Some(PilotPass::without_fields(counters))
+        Some(PilotPass::without_fields(counters).and_guide(values))
     }
 }

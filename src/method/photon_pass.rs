@@ -1,22 +1,21 @@
-//! What `sppm` and `ppm` share: the photons of a pass, the gather, and the pilot.
+//! What `sppm` and `ppm` share: the photons of a pass and the gather.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-
-use rayon::prelude::*;
+use std::sync::atomic::AtomicBool;
 
 use super::Pass;
-use super::parameter_values::{Auto, DirectLight};
+use super::parameter_values::{Auto, DirectLight, Emission};
 use crate::estimate::PixelTally;
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::scene::Scene;
+use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
-use crate::transport::photon_map::{Gathered, Grid, PhotonLookup, PhotonMap, trace};
+use crate::transport::photon_map::{Gathered, Grid, PhotonLookup, PhotonMap, TracedPhoton, trace};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::receiver::{Counting, Receiver};
 use crate::transport::{Counters, Limits};
@@ -40,18 +39,37 @@ pub struct PhotonPasses {
     pub photons_per_pass: u32,
     /// First radius.
     pub first_radius: Auto<f32>,
+    /// Where photons start.
+    pub emission: Emission,
+}
+
+/// Which photons to trace.
+#[derive(Clone, Copy, Debug)]
+pub struct PhotonsOf<'a> {
+    /// What they are for.
+    pub stream: Stream,
+    /// Index of their pass.
+    pub pass: u32,
+    /// Where they start; by power without one.
+    pub guide: Option<&'a EmissionGuide>,
+}
+
+impl<'a> PhotonsOf<'a> {
+    /// Those of a pass of the job.
+    pub fn pass(pass: &Pass<'a>) -> Self {
+        Self { stream: Stream::Photon, pass: pass.index, guide: pass.guide }
+    }
 }
 
 impl PhotonPasses {
-    /// Traces the photons of pass `pass` and sorts them into cells of the size of a typical gather disc.
-    pub fn photon_map(
+    /// Traces photons and sorts them into cells of the size of a typical gather disc.
+    pub fn trace_photons<R: TracedPhoton>(
         &self,
-        stream: Stream,
-        pass: u32,
+        photons: &PhotonsOf<'_>,
         typical_radius_squared: f32,
         cancel: &AtomicBool,
-    ) -> Option<(PhotonMap, Counters)> {
-        let random = PassRandom::independent(self.seed, stream, pass);
+    ) -> Option<(PhotonMap<R::Extra>, Counters)> {
+        let random = PassRandom::independent(self.seed, photons.stream, photons.pass);
         let settings = PhotonSettings {
             limits: self.limits,
             first_stored_segment: match self.direct {
@@ -61,11 +79,12 @@ impl PhotonPasses {
             narrow_takes_all: !self.follows_narrow,
             random: &random,
             paths: self.photons_per_pass,
+            guide: photons.guide,
         };
         let (low, high) = self.scene.geometry.bounds();
         let cell = 2.0 * typical_radius_squared.sqrt();
         let grid = Grid::new(low, high, cell, 4 * u64::from(self.photons_per_pass).max(1 << 14));
-        let (chunks, counters) = trace(&self.scene, &settings, &grid, cancel)?;
+        let (chunks, counters) = trace::<R>(&self.scene, &settings, &grid, cancel)?;
         Some((PhotonMap::build(&chunks, grid), counters))
     }
 
@@ -82,18 +101,24 @@ impl PhotonPasses {
     /// Reflected flux Φ/T = Σ f_r·α and the photon count M at a gather point.
     #[inline]
     pub fn gather(&self, map: &impl PhotonLookup, point: &GatherPoint, radius_squared: f32) -> Gathered {
-        let most_segments = self.limits.most_photon_segments(point.segments);
-        let counting = Counting { radius_squared, most_segments, caustics_only: point.goes_on };
-        Receiver::new(&self.scene, &point.hit, point.view()).gather(map, counting)
+        Receiver::new(&self.scene, &point.hit, point.view()).gather(map, self.counting(point, radius_squared))
     }
 
-    /// First R² at a gather point that the camera sees over `path_length` m, m².
-    pub fn first_radius_squared(&self, map: &impl PhotonLookup, point: &GatherPoint, path_length: f32) -> f32 {
+    /// Which photons count at a gather point.
+    #[inline]
+    pub fn counting(&self, point: &GatherPoint, radius_squared: f32) -> Counting {
+        let most_segments = self.limits.most_photon_segments(point.segments);
+        Counting { radius_squared, most_segments, caustics_only: point.goes_on }
+    }
+
+    /// First R² at a gather point, m²; the search starts with `guess`, m².
+    pub fn first_radius_squared(&self, map: &impl PhotonLookup, point: &GatherPoint, guess: f32) -> f32 {
         if let Auto::Value(radius) = self.first_radius {
             return radius * radius;
         }
-        let footprint = self.scene.camera.pixel_footprint(path_length, self.scene.film.whole[0]);
-        let dense = first_radius_squared(map, point, footprint, &self.radius_bounds(map.len()));
+        let footprint = self.scene.camera.pixel_footprint(point.path_length, self.scene.film.whole[0]);
+        let bounds = RadiusBounds { guess, ..self.radius_bounds(map.len()) };
+        let dense = first_radius_squared(map, point, footprint, &bounds);
         clear_of_edges(&self.scene, point, dense, footprint)
     }
 
@@ -123,43 +148,9 @@ impl PhotonPasses {
         radiance
     }
 
-    /// First radii where new camera paths of every pixel gather, m², and what that costs.
-    pub fn pilot(&self, cancel: &AtomicBool) -> Option<(Vec<f32>, Counters)> {
-        let (map, mut total) = self.pilot_map(cancel)?;
-        let scene = &*self.scene;
-        let random = PassRandom::of_pixels(self.seed, Stream::PilotCamera, PILOT_PASS);
-        let found: Vec<(Option<f32>, Counters)> = (0..scene.pixel_count())
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|pixel| {
-                let mut counters = Counters::default();
-                let random = random.path(pixel as u32);
-                let mut last = None;
-                self.camera_path(&random, pixel, &mut counters, |point, _, counters| {
-                    // Direct light will cost its rays too.
-                    counters.rays += 2;
-                    last = Some(*point);
-                });
-                let radius = last.map(|point| self.first_radius_squared(&map, &point, point.path_length));
-                (radius, counters)
-            })
-            .collect();
-        found.iter().for_each(|(_, counters)| total += *counters);
-        let mut radii: Vec<Option<f32>> = found.into_iter().map(|(radius, _)| radius).collect();
-        let filled = self.complete_first_radii(&mut radii);
-        (!cancel.load(Ordering::Relaxed)).then_some((filled, total))
-    }
-
     /// Where the search for first radii starts.
-    fn radius_bounds(&self, photons: usize) -> RadiusBounds {
+    pub(super) fn radius_bounds(&self, photons: usize) -> RadiusBounds {
         RadiusBounds::new(self.scene.geometry.bounding_sphere().1, photons)
-    }
-
-    /// A photon map for the pilot, with cells of the size that the search starts with.
-    pub fn pilot_map(&self, cancel: &AtomicBool) -> Option<(PhotonMap, Counters)> {
-        // Two or three photons are stored per emitted one in a closed room.
-        let bounds = self.radius_bounds(2 * self.photons_per_pass as usize);
-        self.photon_map(Stream::PilotPhoton, PILOT_PASS, bounds.guess, cancel)
     }
 
     /// R² for pixels that see nothing to gather at, m².

@@ -15,17 +15,21 @@
 //! layers of glass keep the error of so few samples; `sppm` has no such floor. A hit point takes 48 bytes.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use super::parameter_values::{
-    Auto, Depth, DirectLight, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits,
+    Auto, Depth, DirectLight, Emission, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
-use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::shared_parameters::{ALPHA, DIRECT, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH};
+use super::photon_pass::{PILOT_PASS, PhotonPasses, PhotonsOf, add_to_tally};
+use super::pilot::PilotView;
+use super::shared_parameters::{
+    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
+};
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
@@ -36,7 +40,7 @@ use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
 use crate::transport::hit_point::HitPoint;
-use crate::transport::photon_map::{Gathered, PhotonMap};
+use crate::transport::photon_map::{Gathered, Photon, PhotonMap};
 use crate::transport::shading;
 
 /// Specular surfaces up to this many segments are followed in all their directions, later ones in one at random.
@@ -72,6 +76,7 @@ parameters! {
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,
         direct: DirectLight = DIRECT,
+        emission: Emission = EMISSION,
         passes: Passes = PASSES,
         samples_per_pixel: Samples =
             parameter("hit points per pixel, fixed for the whole job", Samples::new(4).expect("in range"), "4"),
@@ -91,6 +96,10 @@ impl ParameterizedMethod for Parameters {
         Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() }
     }
 
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
+    }
+
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let (low, high) = scene.geometry.bounds();
         let error = position_error(largest(low).max(largest(high)));
@@ -102,6 +111,7 @@ impl ParameterizedMethod for Parameters {
             follows_narrow: false,
             photons_per_pass,
             first_radius: self.initial_radius.meters(),
+            emission: self.emission,
         };
         Box::new(Ppm {
             passes,
@@ -255,8 +265,8 @@ impl Ppm {
 impl PreparedMethod for Ppm {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
         let hit_points = self.hit_points(pass.region, cancel)?;
-        let (map, mut total) =
-            self.passes.photon_map(Stream::Photon, pass.index, pass.typical_radius_squared, cancel)?;
+        let photons = PhotonsOf::pass(pass);
+        let (map, mut total) = self.passes.trace_photons::<Photon>(&photons, pass.typical_radius_squared, cancel)?;
         let width = self.passes.scene.width as usize;
         let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         // Random numbers are addressed by the hit point's place in its row, which no region changes.
@@ -287,24 +297,51 @@ impl PreparedMethod for Ppm {
     }
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
-        let (map, mut total) = self.passes.pilot_map(cancel)?;
-        let scene = &*self.passes.scene;
-        let region = Region { row_start: 0, row_end: scene.height };
+        let region = Region { row_start: 0, row_end: self.passes.scene.height };
         let hit_points = self.hit_points(region, cancel)?;
-        let mut radii: Vec<Option<f32>> = (0..scene.pixel_count())
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|pixel| {
-                let range = hit_points.first[pixel] as usize..hit_points.first[pixel + 1] as usize;
-                let point = hit_points.points.get(range)?.first()?.gather_point(self.error);
-                // The straight distance stands for the path's: hit points do not keep it.
-                let distance = scene.camera.distance_to(point.hit.position);
-                Some(self.passes.first_radius_squared(&map, &point, distance))
-            })
-            .collect();
-        total.rays += 2 * hit_points.points.len() as u64;
-        let filled = self.passes.complete_first_radii(&mut radii);
-        (!cancel.load(Ordering::Relaxed)).then(|| PilotPass::with_radii(filled, total))
+        let random = PassRandom::of_pixels(self.passes.seed, Stream::PilotCamera, PILOT_PASS);
+        let view = KeptPoints { ppm: self, hit_points: &hit_points, random };
+        let mut found = self.passes.pilot(&view, cancel)?;
+        found.counters.rays += 2 * hit_points.points.len() as u64;
+        Some(PilotPass::with_radii(found.radius_squared, found.counters).and_guide(found.guide))
+    }
+}
+
+/// The hit points of the whole picture, as the pilot looks at them.
+struct KeptPoints<'a> {
+    ppm: &'a Ppm,
+    hit_points: &'a HitPoints,
+    random: PassRandom,
+}
+
+impl KeptPoints<'_> {
+    fn range(&self, pixel: usize) -> Range<usize> {
+        self.hit_points.first[pixel] as usize..self.hit_points.first[pixel + 1] as usize
+    }
+}
+
+impl PilotView for KeptPoints<'_> {
+    fn visit(
+        &self,
+        pixel: usize,
+        counters: &mut Counters,
+        visit: &mut dyn FnMut(&GatherPoint, &PathRandom, &mut Counters),
+    ) -> Rgb {
+        let share = 1.0 / self.ppm.samples_per_pixel as f32;
+        let address = pixel.wrapping_mul(MOST_POINTS_PER_PIXEL);
+        for (index, hit_point) in self.hit_points.points[self.range(pixel)].iter().enumerate() {
+            let mut point = hit_point.gather_point(self.ppm.error);
+            point.throughput *= share;
+            visit(&point, &self.random.path((address + index) as u32), counters);
+        }
+        Rgb::from_array(self.hit_points.seen[pixel])
+    }
+
+    fn radius_point(&self, pixel: usize, _: &mut Counters) -> Option<GatherPoint> {
+        let mut point = self.hit_points.points.get(self.range(pixel))?.first()?.gather_point(self.ppm.error);
+        // The straight distance stands for the path's: hit points do not keep it.
+        point.path_length = self.ppm.passes.scene.camera.distance_to(point.hit.position);
+        Some(point)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Parameters that several methods have.
 
 use super::parameter_values::{
-    All, Auto, Depth, DirectLight, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch,
-    Weights,
+    All, Auto, Depth, DirectLight, Emission, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth,
+    Subpaths, Switch, Weights,
 };
 use super::parameters::{Parameter, parameter};
 use crate::estimate::RadiusRule;
@@ -34,6 +34,13 @@ pub const RR_DEPTH: Parameter<RouletteDepth> =
 /// For `sppm` and `ppm`.
 pub const GATHER_RADIUS: Parameter<Auto<Radius>> =
     parameter("first gather radius, m", Auto::Auto, "auto: per pixel by a pilot pass");
+/// For `sppm`, `ppm` and `photon_map`.
+pub const EMISSION: Parameter<Emission> = parameter(
+    "where photons start: by power; guided, mostly where they reach what pixels see, weighted for it; auto: guided where the \
+     pilot finds that it helps",
+    Emission::Power,
+    "power",
+);
 /// For `sppm` and `ppm`.
 pub const DIRECT: Parameter<DirectLight> = parameter("how direct light is found", DirectLight::Sample, "sample");
 

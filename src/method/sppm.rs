@@ -20,16 +20,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::parameter_values::{Auto, Depth, DirectLight, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits};
+use super::parameter_values::{
+    Auto, Depth, DirectLight, Emission, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
+};
 use super::parameters::{ParameterSet, parameters, read_method};
-use super::photon_pass::{PhotonPasses, add_to_tally};
-use super::shared_parameters::{ALPHA, DIRECT, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH};
+use super::photon_pass::{PhotonPasses, PhotonsOf, add_to_tally};
+use super::pilot::CameraPaths;
+use super::shared_parameters::{
+    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
+};
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, RadiusRule};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
-use crate::transport::photon_map::{Gathered, PhotonMap};
+use crate::transport::photon_map::{Gathered, Photon, PhotonMap};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -54,6 +59,7 @@ parameters! {
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,
         direct: DirectLight = DIRECT,
+        emission: Emission = EMISSION,
         passes: Passes = PASSES,
     }
 }
@@ -71,6 +77,10 @@ impl ParameterizedMethod for Parameters {
         Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() }
     }
 
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
+    }
+
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let passes = PhotonPasses {
             scene,
@@ -80,6 +90,7 @@ impl ParameterizedMethod for Parameters {
             follows_narrow: true,
             photons_per_pass,
             first_radius: self.initial_radius.meters(),
+            emission: self.emission,
         };
         Box::new(Sppm { passes })
     }
@@ -112,8 +123,8 @@ impl Sppm {
 
 impl PreparedMethod for Sppm {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
-        let (map, mut total) =
-            self.passes.photon_map(Stream::Photon, pass.index, pass.typical_radius_squared, cancel)?;
+        let photons = PhotonsOf::pass(pass);
+        let (map, mut total) = self.passes.trace_photons::<Photon>(&photons, pass.typical_radius_squared, cancel)?;
         let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         let width = self.passes.scene.width as usize;
         let first_pixel = pass.region.row_start as usize * width;
@@ -137,7 +148,7 @@ impl PreparedMethod for Sppm {
     }
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
-        let (radii, counters) = self.passes.pilot(cancel)?;
-        Some(PilotPass::with_radii(radii, counters))
+        let found = self.passes.pilot(&CameraPaths::new(&self.passes), cancel)?;
+        Some(PilotPass::with_radii(found.radius_squared, found.counters).and_guide(found.guide))
     }
 }

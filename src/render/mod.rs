@@ -7,8 +7,12 @@ use std::sync::atomic::AtomicBool;
 
 use crate::estimate::declaration::{NON_FINITE, PHOTONS_EMITTED, PHOTONS_STORED, RAYS};
 use crate::estimate::{Declaration, PixelTally, RadiusField, Shard, Tally};
-use crate::method::{self, CheckedMethod, FIRST_RADIUS_SQUARED, MethodError, Pass, PilotField, PreparedMethod};
+use crate::method::{
+    self, CheckedMethod, EMISSION_GUIDE, FIRST_RADIUS_SQUARED, MethodError, Pass, PilotField, PreparedMethod,
+};
 use crate::scene::Scene;
+use crate::scene::light::emission_guide::EmissionGuide;
+pub use crate::scene::light::emission_guide::GuideError;
 use crate::transport::Counters;
 
 /// The caller asked to stop.
@@ -50,24 +54,44 @@ impl Pilot {
         self.field(FIRST_RADIUS_SQUARED).unwrap_or_default()
     }
 
+    /// Where photons start, as numbers of a guide; empty for emission by power.
+    pub fn emission_guide(&self) -> &[f32] {
+        self.field(EMISSION_GUIDE).unwrap_or_default()
+    }
+
     /// See [`COST_PER_PASS`].
     pub fn cost_per_pass(&self) -> u64 {
         self.count(COST_PER_PASS).unwrap_or(1)
     }
 }
 
-/// A job ready to be traced on this machine: prepared scene, checked method, seed. Every function is pure.
+/// A job ready to be traced on this machine: prepared scene, checked method, seed, and where its photons start. Every function is pure.
+#[derive(Clone)]
 pub struct Renderer {
     scene: Arc<Scene>,
-    method: Box<dyn PreparedMethod>,
+    method: Arc<dyn PreparedMethod>,
     declaration: Arc<Declaration>,
+    guide: Option<Arc<EmissionGuide>>,
 }
 
 impl Renderer {
     /// Prepares `method` for `scene`.
     pub fn new(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Self, MethodError> {
         let declaration = method::declaration(method);
-        Ok(Self { method: method::prepare(scene.clone(), method, seed)?, scene, declaration })
+        Ok(Self { method: method::prepare(scene.clone(), method, seed)?.into(), scene, declaration, guide: None })
+    }
+
+    /// The same job with photons that start as a pilot found: see [`Pilot::emission_guide`]. Whoever traces any of a job's
+    /// passes must trace them so.
+    ///
+    /// # Errors
+    /// Numbers that are no guide for the scene's lights.
+    pub fn guided(&self, emission_guide: &[f32]) -> Result<Self, GuideError> {
+        let guide = match emission_guide {
+            [] => None,
+            values => Some(Arc::new(EmissionGuide::new(values, &self.scene.lights)?)),
+        };
+        Ok(Self { guide, ..self.clone() })
     }
 
     /// What its tallies hold.
@@ -93,6 +117,7 @@ impl Renderer {
                 radius_squared: &field.radius_squared,
                 scale,
                 typical_radius_squared: field.typical_radius_squared * scale,
+                guide: self.guide.as_deref(),
             };
             total += self.method.trace_pass(&pass, &mut pixels, cancel).ok_or(Cancelled)?;
         }

@@ -8,6 +8,7 @@ use crate::math::random::{PathRandom, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::light::EmittedPhoton;
+use crate::scene::light::emission_guide::{EmissionGuide, EmissionPoint};
 use crate::scene::material::{TransportMode, View};
 
 /// What a method does along a path from a light.
@@ -26,20 +27,27 @@ pub trait LightVertices {
     fn leave(&mut self, hit: &Interaction, view: &View, scattering: &Scattering);
 }
 
-/// Follows a photon with the numbers `random` to its end; it leaves at least one segment to the camera.
+/// Where the path with the numbers `random` starts.
+#[inline]
+pub fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &PathRandom) -> EmissionPoint {
+    let place = random.block(dimension::EMISSION);
+    let direction = random.block(dimension::EMISSION_DIRECTION);
+    scene.lights.emission_point(guide, [place[0], place[1], place[2]], [direction[0], direction[1]])
+}
+
+/// Follows a photon with the numbers `random`, which starts where `guide` says, to its end; it leaves at least one segment to the camera.
 #[inline]
 pub fn trace_light_path(
     scene: &Scene,
+    guide: Option<&EmissionGuide>,
     limits: &Limits,
     random: &PathRandom,
     counters: &mut Counters,
     vertices: &mut impl LightVertices,
 ) {
     counters.photons_emitted += 1;
-    let place = random.block(dimension::EMISSION);
-    let direction = random.block(dimension::EMISSION_DIRECTION);
-    let emitted = scene.lights.emit(&scene.geometry, [place[0], place[1], place[2]], [direction[0], direction[1]]);
-    let Some(emitted) = emitted else { return };
+    let start = emission_point(scene, guide, random);
+    let Some(emitted) = scene.lights.emit_at(&scene.geometry, &start) else { return };
     let peak = emitted.flux.max_element();
     if !(peak > 0.0 && peak.is_finite()) {
         counters.non_finite += u64::from(!peak.is_finite());

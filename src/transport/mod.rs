@@ -7,6 +7,7 @@ pub mod camera_walk;
 pub mod counters;
 pub mod density_estimate;
 pub mod direct_light;
+pub mod emission_learning;
 pub mod first_radius;
 pub mod hit_point;
 pub mod kernel;

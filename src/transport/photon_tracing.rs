@@ -5,12 +5,13 @@ use crate::math::random::{PassRandom, PathRandom};
 use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::light::EmittedPhoton;
+use crate::scene::light::emission_guide::EmissionGuide;
 use crate::scene::material::{Lobes, View};
 
 use super::counters::Counters;
 use super::light_path::{LightVertices, trace_light_path};
 use super::limits::Limits;
-use super::photon_map::Photon;
+use super::photon_map::{Photon, TracedPhoton};
 use super::shading::Scattering;
 use super::walk::Walk;
 
@@ -27,38 +28,42 @@ pub struct PhotonSettings<'a> {
     pub random: &'a PassRandom,
     /// Photon paths of a pass.
     pub paths: u32,
+    /// Where photons start; by power without one.
+    pub guide: Option<&'a EmissionGuide>,
 }
 
 /// Traces photon path `path` and appends what it stores to `photons`.
 #[inline]
-pub fn trace_photon(
+pub fn trace_photon<R: TracedPhoton>(
     scene: &Scene,
     settings: &PhotonSettings<'_>,
     path: u32,
-    photons: &mut Vec<Photon>,
+    photons: &mut Vec<R>,
     counters: &mut Counters,
 ) {
     let random = settings.random.path(path);
-    let mut storing = Storing { scene, settings, photons, scattered: false };
-    trace_light_path(scene, &settings.limits, &random, counters, &mut storing);
+    let mut storing = Storing { scene, settings, path, photons, scattered: false };
+    trace_light_path(scene, settings.guide, &settings.limits, &random, counters, &mut storing);
 }
 
 /// Stores photons where a path meets surfaces.
-struct Storing<'a> {
+struct Storing<'a, R> {
     scene: &'a Scene,
     settings: &'a PhotonSettings<'a>,
-    photons: &'a mut Vec<Photon>,
+    path: u32,
+    photons: &'a mut Vec<R>,
     /// Whether a lobe with a density scattered the path.
     scattered: bool,
 }
 
-impl LightVertices for Storing<'_> {
+impl<R: TracedPhoton> LightVertices for Storing<'_, R> {
     #[inline(always)]
     fn arrive(&mut self, walk: &Walk, hit: &Interaction, _: &EmittedPhoton, _: &PathRandom, _: &mut Counters) {
-        let Self { scene, settings, scattered, .. } = *self;
+        let Self { scene, settings, path, scattered, .. } = *self;
         let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
         if walk.segments >= settings.first_stored_segment && scene.material(hit.shape).lobes().any(takers) {
-            self.photons.extend(stored(hit, walk.throughput, walk.segments, scattered));
+            let photon = stored(hit, walk.throughput, walk.segments, scattered);
+            self.photons.extend(photon.map(|photon| R::of_path(photon, path)));
         }
     }
 

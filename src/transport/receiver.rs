@@ -77,6 +77,13 @@ impl<'a> Receiver<'a> {
         }
     }
 
+    /// Shows the index of every photon in a disc to `visit`, with what it reflects of it: f_r·α, un-normalised, W·sr⁻¹.
+    pub fn visit(&self, photons: &impl PhotonLookup, counting: Counting, mut visit: impl FnMut(usize, Rgb)) {
+        photons.visit_disc(&self.query(counting), |index, _| {
+            visit(index, self.value(self.incident(photons.direction(index))) * photons.flux(index));
+        });
+    }
+
     /// What it reflects of the photons in a disc: Σ f_r·α, un-normalised, W·sr⁻¹; and their number.
     #[inline]
     pub fn gather(&self, photons: &impl PhotonLookup, counting: Counting) -> Gathered {

@@ -6,6 +6,7 @@ mod progressive;
 mod scene_text;
 
 mod formats;
+mod guided_emission;
 mod materials;
 mod methods;
 mod photon_map;

@@ -22,7 +22,7 @@ fn mean(picture: &Picture) -> f64 {
 /// Mean of a picture and its standard error, from `batches` of `passes` passes with seeds of their own.
 fn mean_and_error(scene: &Arc<Scene>, method: &str, parameters: &str, batches: u32, passes: u32) -> (f64, f64) {
     let job = Job::new(scene, method, parameters);
-    let start = job.begin();
+    let start = job.begin().estimate;
     let field = start.radius_field(job.region());
     let means: Vec<f64> = (0..batches)
         .map(|batch| {
@@ -249,7 +249,7 @@ fn agreement_of_a_region_with_the_whole() {
     let scene = reference_scene("cornell-glass");
     for method in ["path", "bdpt", "light_tracing", "pbdpm", "vcm"] {
         let job = Job::new(&scene, method, "{}");
-        let estimate = job.begin();
+        let estimate = job.begin().estimate;
         let field = estimate.radius_field(job.region());
         let whole = Shard { first_pass: 0, passes: 1, region: job.region() };
         let whole = job.renderer.trace(whole, &field, &job.never).expect("nobody cancels");

@@ -277,7 +277,7 @@ fn bits(pixels: &[PixelTally]) -> Vec<u32> {
 fn agreement_photon_map_of_threads_and_regions() {
     let scene = reference_scene("cornell-glass");
     let job = Job::new(&scene, "photon_map", r#"{"photons_per_pass": 16384}"#);
-    let field = job.begin().radius_field(job.region());
+    let field = job.begin().estimate.radius_field(job.region());
     let trace = |region: Region, threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let radius_squared = vec![1.0; region.pixel_count(scene.width)];

@@ -77,7 +77,7 @@ fn agreement_of_a_region_with_the_whole() {
     let scene = reference_scene("cornell-glass");
     for method in ["sppm", "ppm"] {
         let job = Job::new(&scene, method, r#"{"photons_per_pass": 16384}"#);
-        let field = job.begin().radius_field(job.region());
+        let field = job.begin().estimate.radius_field(job.region());
         let band = Region { row_start: 32, row_end: 64 };
         let pixels = 32 * scene.width as usize..64 * scene.width as usize;
         let band_field = RadiusField {

@@ -153,7 +153,7 @@ fn analytic_methods_agree_on_a_ringing_picture() {
             _ => r#"{"max_depth": 2}"#,
         };
         let job = Job::new(&scene, method, parameters);
-        let start = job.begin();
+        let start = job.begin().estimate;
         let field = start.radius_field(job.region());
         // Each batch is a job with a seed of its own: passes of one job are spread evenly, hence not independent.
         (0..8)
@@ -213,7 +213,7 @@ fn analytic_ringing_pictures_have_the_same_bits_on_any_threads_and_regions() {
     let scene = scene("<rfilter type='lanczos'/>", CHECKERED);
     for method in ["path", "bdpt", "light_tracing", "vcm"] {
         let job = Job::new(&scene, method, "{}");
-        let field = job.begin().radius_field(job.region());
+        let field = job.begin().estimate.radius_field(job.region());
         let trace = |region: Region, threads: usize| -> Tally {
             let mut field = field.clone();
             let pixels = (region.row_start * SIDE) as usize..(region.row_end * SIDE) as usize;

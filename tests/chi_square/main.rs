@@ -8,6 +8,7 @@ mod scene_files;
 mod scene_text;
 
 mod distant_lights;
+mod emission_guide;
 mod light_images;
 mod luminaires;
 mod materials;

@@ -7,6 +7,7 @@ use photonfarm::estimate::Picture;
 use photonfarm::math::random::{PassRandom, Stream};
 use photonfarm::scene::Scene;
 use photonfarm::scene::light::Light;
+use photonfarm::transport::photon_map::Photon;
 use photonfarm::transport::photon_tracing::{PhotonSettings, trace_photon};
 use photonfarm::transport::{Counters, Limits};
 
@@ -116,8 +117,9 @@ fn no_photon_carries_more_than_was_sent_out() {
         narrow_takes_all: true,
         random: &random,
         paths: 50_000,
+        guide: None,
     };
-    let (mut photons, mut counters) = (Vec::new(), Counters::default());
+    let (mut photons, mut counters) = (Vec::<Photon>::new(), Counters::default());
     (0..settings.paths).for_each(|path| trace_photon(&scene, &settings, path, &mut photons, &mut counters));
     let sent = scene.lights.lights().iter().map(Light::power).map(|power| power.max_element()).sum::<f32>();
     // From the 32nd segment on roulette ends even paths that lost nothing, and the rest carry more.

@@ -18,6 +18,13 @@ pub(crate) struct Job {
     pub(crate) never: AtomicBool,
 }
 
+/// A job whose pilot is done.
+pub(crate) struct Begun {
+    pub(crate) estimate: Estimate,
+    /// It traces the passes: photons start where the pilot found that they should.
+    pub(crate) renderer: Renderer,
+}
+
 /// The folder of a reference picture.
 pub(crate) fn reference_folder(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/references").join(name)
@@ -50,21 +57,23 @@ impl Job {
     }
 
     /// The estimate after the pilot and before the first pass.
-    pub(crate) fn begin(&self) -> Estimate {
+    pub(crate) fn begin(&self) -> Begun {
         let pilot = self.renderer.pilot(&self.never).expect("nobody cancels");
+        let renderer = self.renderer.guided(pilot.emission_guide()).expect("the pilot fits the lights");
         let (width, height) = (self.scene.width, self.scene.height);
         let declaration = declaration(&self.method);
-        Estimate::new(width, height, &[self.region()], declaration, pilot.radius_squared()).expect("the pilot fits")
+        let estimate = Estimate::new(width, height, &[self.region()], declaration, pilot.radius_squared());
+        Begun { estimate: estimate.expect("the pilot fits"), renderer }
     }
 
     /// Traces `passes` passes and merges them. The passes of an epoch are shards of one pass with the same radius field.
     pub(crate) fn run(&self, passes: u32, epoch: u32) -> Estimate {
-        let mut estimate = self.begin();
+        let Begun { mut estimate, renderer } = self.begin();
         for start in (0..passes).step_by(epoch as usize) {
             let field = estimate.radius_field(self.region());
             for first_pass in start..passes.min(start + epoch) {
                 let shard = Shard { first_pass, passes: 1, region: self.region() };
-                let tally = self.renderer.trace(shard, &field, &self.never).expect("nobody cancels");
+                let tally = renderer.trace(shard, &field, &self.never).expect("nobody cancels");
                 estimate.merge(&tally, &field).expect("tallies come in order");
             }
         }

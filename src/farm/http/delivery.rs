@@ -17,7 +17,7 @@ use crate::farm::wire::lease::JobDescription;
 use crate::farm::wire::messages::result_request::Outcome as Sent;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
 use crate::farm::wire::{WireError, first_surfaces, result};
-use crate::method;
+use crate::method::{self, MOST_GUIDE_VALUES};
 
 /// Whether the worker that delivers has the lease, so that its result is worth the memory that it takes.
 pub(super) fn is_awaited(shared: &Shared, delivery: Delivery) -> bool {
@@ -40,7 +40,8 @@ pub(super) fn awaited_bytes(shared: &Shared, delivery: Delivery) -> Result<Optio
     let pixels = u64::from(job.width) * u64::from(job.height);
     let bytes = match lease.work {
         Work::Choice => 0,
-        Work::Pilot | Work::FirstSurfaces => PIXEL * pixels,
+        Work::Pilot => PIXEL * pixels + (MOST_GUIDE_VALUES * size_of::<f32>()) as u64,
+        Work::FirstSurfaces => PIXEL * pixels,
         Work::Shard(_, planned) | Work::Check(_, planned) => {
             let numbers: usize = declaration(&job)?.planes.iter().map(|plane| plane.channels).sum();
             planned.shard.region.pixel_count(job.width) as u64 * numbers as u64 * size_of::<f32>() as u64

@@ -40,6 +40,7 @@ use crate::farm::coordinator::{CoordinatorHandle, Delivery, Limits, Shared, bloc
 use crate::farm::error::FarmError;
 use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
 use crate::farm::locks::lock;
+use crate::farm::merging::Merging;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::{Answer, Event};
 use crate::farm::text::is_hidden;
@@ -69,6 +70,7 @@ pub fn router(coordinator: CoordinatorHandle) -> Router {
         .route("/leases/{lease}/{fencing}/result", post(result).layer(Extension(room)))
         .route("/scenes/{hash}", get(scene))
         .route("/jobs/{id}/radius/{epoch}/{region}", get(radius_field))
+        .route("/jobs/{id}/guide", get(emission_guide))
         .route_layer(from_fn_with_state(coordinator.clone(), know_worker))
         .route("/register", post(register))
         .layer(messages)
@@ -245,4 +247,15 @@ async fn radius_field(
         response.headers_mut().insert(header::ETAG, tag);
     }
     Ok(response)
+}
+
+async fn emission_guide(
+    State(coordinator): State<CoordinatorHandle>,
+    Path(id): Path<JobId>,
+) -> Result<Response, Problem> {
+    let job = coordinator.shared.job(id)?;
+    let message = blocking(move || Ok(lock(&job.merging).as_ref().map(Merging::guide_message)));
+    let missing = || Problem::new(StatusCode::NOT_FOUND, "the job has no pilot yet".to_owned());
+    let message = message.await?.ok_or_else(missing)?;
+    Ok(([(header::CONTENT_TYPE, "application/x-protobuf")], message).into_response())
 }

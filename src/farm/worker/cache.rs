@@ -11,7 +11,8 @@ use crate::farm::ids::JobId;
 use crate::farm::locks::lock;
 use crate::farm::prepared_scenes::{PreparedScenes, prepare_scene};
 use crate::farm::wire::lease::{JobDescription, ShardTerms};
-use crate::farm::wire::{messages, radius};
+use crate::farm::wire::{guide, messages, radius};
+use crate::method::CheckedMethod;
 use crate::render::Renderer;
 use crate::scene::Scene;
 
@@ -65,17 +66,27 @@ struct FieldKey {
     region: u32,
 }
 
+/// Which of a job's pilots: a job that is done again may have another.
+#[derive(Clone, Copy, PartialEq)]
+struct PilotKey {
+    job: JobId,
+    generation: u32,
+}
+
 /// The caches of one session.
 pub(super) struct Cache {
     scenes: PreparedScenes,
     renderers: Mutex<Recent<JobId, Arc<Renderer>>>,
+    /// Renderers of passes, whose photons start as the pilot found.
+    guided: Mutex<Recent<PilotKey, Arc<Renderer>>>,
     fields: Mutex<Recent<FieldKey, Arc<RadiusField>>>,
 }
 
 impl Cache {
     /// Empty caches beside the process's scenes.
     pub(super) fn new(scenes: PreparedScenes) -> Self {
-        Self { scenes, renderers: Mutex::new(Recent::new(RENDERERS)), fields: Mutex::new(Recent::new(FIELDS)) }
+        let (renderers, guided) = (Mutex::new(Recent::new(RENDERERS)), Mutex::new(Recent::new(RENDERERS)));
+        Self { scenes, renderers, guided, fields: Mutex::new(Recent::new(FIELDS)) }
     }
 
     /// The job's renderer.
@@ -96,6 +107,31 @@ impl Cache {
         let renderer = Arc::new(made.and_then(|made| made).map_err(PrepareError::Unusable)?);
         lock(&self.renderers).insert(job.id, renderer.clone());
         Ok(renderer)
+    }
+
+    /// The renderer of a job's passes. Methods whose photons always start by power need no guide, and none is fetched.
+    pub(super) async fn pass_renderer(
+        &self,
+        client: &Client,
+        pool: &RenderPool,
+        job: &JobDescription,
+        terms: &ShardTerms,
+    ) -> Result<Arc<Renderer>, PrepareError> {
+        let key = PilotKey { job: job.id, generation: terms.generation };
+        if let Some(renderer) = lock(&self.guided).get(&key) {
+            return Ok(renderer);
+        }
+        let renderer = self.renderer(client, pool, job).await?;
+        if !job.method.as_ref().is_some_and(CheckedMethod::may_guide_photons) {
+            return Ok(renderer);
+        }
+        let bytes = client.get(&format!("jobs/{}/guide", job.id), TRANSFER_TIMEOUT).await?;
+        let message = messages::EmissionGuide::decode(bytes).map_err(|e| PrepareError::Unusable(e.to_string()))?;
+        let values = guide::decode(&message).map_err(|e| PrepareError::Unusable(e.to_string()))?;
+        let guided = renderer.guided(&values).map_err(|e| PrepareError::Unusable(e.to_string()))?;
+        let guided = Arc::new(guided);
+        lock(&self.guided).insert(key, guided.clone());
+        Ok(guided)
     }
 
     /// A prepared scene.

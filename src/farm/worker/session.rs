@@ -200,7 +200,7 @@ impl Session {
             LeasedWork::FirstSurfaces => ReadyWork::FirstSurfaces(cache.scene(client, pool, &job.scene).await?),
             LeasedWork::Pilot => ReadyWork::Pilot(cache.renderer(client, pool, &job).await?),
             LeasedWork::Shard(terms) => {
-                let renderer = cache.renderer(client, pool, &job).await?;
+                let renderer = cache.pass_renderer(client, pool, &job, &terms).await?;
                 ReadyWork::Shard(renderer, terms, cache.field(client, &job, &terms).await?)
             }
         };

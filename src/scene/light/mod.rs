@@ -7,6 +7,7 @@ pub mod area;
 pub mod constant;
 pub mod directional;
 pub mod directional_area;
+pub mod emission_guide;
 pub mod environment_map;
 pub mod ies;
 pub mod importance;

@@ -1,6 +1,7 @@
 //! All lights of a scene: photons pick them by power, surfaces mostly by what may arrive.
 
 use super::area::Emission;
+use super::emission_guide::{EmissionGuide, EmissionPoint};
 use super::importance::{ImportanceSampler, LightImportance, Place};
 use super::{DirectSample, EmittedPhoton, FirstSegment, Light, Origin, SeenPoint};
 use crate::math::color::luminance;
@@ -210,12 +211,33 @@ impl LightTable {
         Some((radiance, pdf * self.probability(place, index)))
     }
 
+    /// The probability with which a photon comes from a light, by power.
+    pub fn emission_pick(&self, light: u32) -> f32 {
+        self.by_power.probability(light as usize)
+    }
+
+    /// Where photons with these numbers start: as `guide` says, else by power.
+    #[inline]
+    pub fn emission_point(&self, guide: Option<&EmissionGuide>, place: [f32; 3], direction: [f32; 2]) -> EmissionPoint {
+        let numbers = [place[0], place[1], direction[0], direction[1]];
+        match guide {
+            Some(guide) => guide.point(numbers, place[2]),
+            None => EmissionPoint { light: self.by_power.pick(place[2]).0 as u32, numbers, density: 1.0 },
+        }
+    }
+
+    /// Emits a photon; its flux and its density include how often photons start there.
+    #[inline]
+    pub fn emit_at(&self, geometry: &Geometry, point: &EmissionPoint) -> Option<EmittedPhoton> {
+        let [x, y, u, v] = point.numbers;
+        let photon = self.lights[point.light as usize].emit(geometry, [x, y], [u, v])?;
+        let pick = self.emission_pick(point.light) * point.density;
+        Some(EmittedPhoton { flux: photon.flux / pick, pdf: photon.pdf * pick, light: point.light, ..photon })
+    }
+
     /// Picks a light by power and emits a photon; its flux includes the pick.
     #[inline]
     pub fn emit(&self, geometry: &Geometry, place: [f32; 3], direction: [f32; 2]) -> Option<EmittedPhoton> {
-        let (index, _) = self.by_power.pick(place[2]);
-        let photon = self.lights[index].emit(geometry, [place[0], place[1]], direction)?;
-        let pick = self.by_power.probability(index);
-        Some(EmittedPhoton { flux: photon.flux / pick, pdf: photon.pdf * pick, light: index as u32, ..photon })
+        self.emit_at(geometry, &self.emission_point(None, place, direction))
     }
 }

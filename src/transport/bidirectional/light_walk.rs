@@ -31,7 +31,7 @@ impl LightWalk<'_> {
     pub fn trace(&self, path: u32, counters: &mut Counters, visit: impl FnMut(&Vertex, &PathRandom, &mut Counters)) {
         let random = self.random.path(path);
         let mut weighing = Weighing { walk: self, sums: Sums::default(), visit };
-        trace_light_path(self.scene, &self.limits, &random, counters, &mut weighing);
+        trace_light_path(self.scene, None, &self.limits, &random, counters, &mut weighing);
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::photon::{Photon, PhotonColumns, PhotonColumnsMut, PhotonRecord};
+use super::photon::{Photon, PhotonColumns, PhotonColumnsMut, PhotonRecord, TracedPhoton};
 use super::{Grid, PhotonLookup, PhotonMap};
 use crate::math::Vec3;
 use crate::scene::Scene;
@@ -37,15 +37,15 @@ fn cell_of(grid: &Grid, photon: &Photon) -> usize {
 }
 
 /// Emits the photons of a pass and traces them; `None` when `cancel` was set meanwhile.
-pub fn trace(
+pub fn trace<R: TracedPhoton>(
     scene: &Scene,
     settings: &PhotonSettings<'_>,
     grid: &Grid,
     cancel: &AtomicBool,
-) -> Option<(Vec<PhotonChunk>, Counters)> {
+) -> Option<(Vec<PhotonChunk<R>>, Counters)> {
     let count = settings.paths;
     let chunks = count.div_ceil(PATHS_PER_CHUNK);
-    let traced: Option<Vec<(PhotonChunk, Counters)>> = (0..chunks)
+    let traced: Option<Vec<(PhotonChunk<R>, Counters)>> = (0..chunks)
         .into_par_iter()
         .map(|chunk| {
             if cancel.load(Ordering::Relaxed) {
@@ -73,9 +73,10 @@ pub fn trace(
     Some((chunks, total))
 }
 
-fn drop_non_finite(photons: &mut Vec<Photon>) -> u64 {
+fn drop_non_finite<R: PhotonRecord>(photons: &mut Vec<R>) -> u64 {
     let before = photons.len();
-    photons.retain(|photon| photon.flux.iter().chain(&photon.position).all(|value| value.is_finite()));
+    let finite = |photon: &Photon| photon.flux.iter().chain(&photon.position).all(|value| value.is_finite());
+    photons.retain(|record| finite(record.photon()));
     (before - photons.len()) as u64
 }
 

@@ -43,6 +43,47 @@ impl PhotonRecord for Photon {
     fn extra(&self) {}
 }
 
+/// What photon tracing stores.
+pub trait TracedPhoton: PhotonRecord {
+    /// A photon of path `path` of its pass.
+    fn of_path(photon: Photon, path: u32) -> Self;
+}
+
+impl TracedPhoton for Photon {
+    #[inline(always)]
+    fn of_path(photon: Photon, _: u32) -> Self {
+        photon
+    }
+}
+
+/// A photon that knows the path that it belongs to.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PathPhoton {
+    photon: Photon,
+    path: u32,
+}
+
+impl PhotonRecord for PathPhoton {
+    type Extra = u32;
+
+    #[inline]
+    fn photon(&self) -> &Photon {
+        &self.photon
+    }
+
+    #[inline]
+    fn extra(&self) -> u32 {
+        self.path
+    }
+}
+
+impl TracedPhoton for PathPhoton {
+    #[inline(always)]
+    fn of_path(photon: Photon, path: u32) -> Self {
+        Self { photon, path }
+    }
+}
+
 /// The bit of a photon's top byte that says that a lobe with a density scattered it on its way: it is no caustic.
 pub(super) const SCATTERED: u32 = 0x80;
 /// The largest segment count that a photon keeps; longer paths count as this.

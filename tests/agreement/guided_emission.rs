@@ -1,0 +1,198 @@
+//! Photons that go where the picture looks: the same picture with less noise, and nothing where nothing is to be gained.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use photonfarm::estimate::{Picture, Shard};
+use photonfarm::import::load_file;
+use photonfarm::math::random::{PassRandom, Stream};
+use photonfarm::scene::Scene;
+use photonfarm::scene::light::emission_guide::{BY_POWER, EmissionPoint};
+use photonfarm::transport::emission_learning::{EmittedPath, learn};
+
+use crate::progressive::{Begun, Job, reference_scene};
+use crate::scene_text::prepare;
+
+/// With 16 batches, 4.5 standard errors are passed by chance once in 2,000 times; seeds are fixed.
+const ERRORS: f64 = 4.5;
+const BATCHES: u32 = 16;
+
+fn repository_scene(path: &str, size: &str) -> Arc<Scene> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(path);
+    let description = load_file(&path, &[("size".to_owned(), size.to_owned())]).expect("a scene of the repository");
+    Arc::new(Scene::prepare(&description).expect("a scene of the repository is good"))
+}
+
+fn mean(picture: &Picture) -> f64 {
+    picture.radiance.iter().flatten().map(|value| f64::from(*value)).sum::<f64>() / (3 * picture.radiance.len()) as f64
+}
+
+/// The mean over pixels of the relative variance of pictures.
+fn relative_variance(pictures: &[Picture]) -> f64 {
+    let count = pictures.len() as f64;
+    let pixels = pictures[0].radiance.len();
+    let values = |pixel: usize| pictures.iter().map(move |picture| f64::from(picture.radiance[pixel][1]));
+    let means: Vec<f64> = (0..pixels).map(|pixel| values(pixel).sum::<f64>() / count).collect();
+    let dark = 1e-3 * (means.iter().sum::<f64>() / pixels as f64).powi(2);
+    let of_pixel = |pixel: usize| {
+        let squares: f64 = values(pixel).map(|value| (value - means[pixel]).powi(2)).sum();
+        squares / (count - 1.0) / (means[pixel].powi(2) + dark)
+    };
+    (0..pixels).map(of_pixel).sum::<f64>() / pixels as f64
+}
+
+/// Mean of a picture and its standard error, from batches of passes with the first radii; and the mean relative variance of its pixels.
+fn mean_and_error(scene: &Arc<Scene>, method: &str, parameters: &str, passes: u32) -> [f64; 3] {
+    let job = Job::new(scene, method, parameters);
+    let Begun { estimate: start, renderer } = job.begin();
+    let field = start.radius_field(job.region());
+    let pictures: Vec<Picture> = (0..BATCHES)
+        .map(|batch| {
+            let mut estimate = start.clone();
+            for pass in 0..passes {
+                let shard = Shard { first_pass: batch * passes + pass, passes: 1, region: job.region() };
+                let mut tally = renderer.trace(shard, &field, &job.never).expect("nobody cancels");
+                tally.shard.first_pass = pass;
+                estimate.merge(&tally, &field).expect("tallies come in order");
+            }
+            estimate.picture()
+        })
+        .collect();
+    let means: Vec<f64> = pictures.iter().map(mean).collect();
+    let count = f64::from(BATCHES);
+    let average = means.iter().sum::<f64>() / count;
+    let variance = means.iter().map(|mean| (mean - average).powi(2)).sum::<f64>() / (count - 1.0);
+    [average, (variance / count).sqrt(), relative_variance(&pictures)]
+}
+
+fn assert_same([found, error, noise]: [f64; 3], [expected, of_expected, other]: [f64; 3], bias: f64, what: &str) {
+    println!("{what}: {found:.6} ± {error:.6}, {expected:.6} ± {of_expected:.6}; noise {noise:.4}, {other:.4}");
+    let both = (error * error + of_expected * of_expected).sqrt();
+    assert!((found - expected).abs() < ERRORS * both + bias * expected, "{what}: {found} ± {error}, not {expected}");
+}
+
+fn learns_a_guide(scene: &Arc<Scene>, method: &str, parameters: &str) -> bool {
+    let pilot = Job::new(scene, method, parameters).renderer.pilot(&AtomicBool::new(false)).expect("nobody cancels");
+    !pilot.emission_guide().is_empty()
+}
+
+#[test]
+fn a_lamp_in_a_sealed_room_takes_no_photons() {
+    let (scene, alone) =
+        (repository_scene("sealed-lamp/scene.xml", "32"), repository_scene("sealed-lamp/alone.xml", "32"));
+    for method in ["sppm", "ppm"] {
+        let parameters = |emission: &str| {
+            format!(
+                r#"{{"direct": "photons", "photons_per_pass": 30000, "initial_radius": 0.2, "emission": "{emission}"}}"#
+            )
+        };
+        let [power, auto] = ["power", "auto"].map(|emission| mean_and_error(&scene, method, &parameters(emission), 2));
+        assert!(learns_a_guide(&scene, method, &parameters("auto")), "{method}: the pilot finds that it helps");
+        assert_same(auto, power, 0.0, &format!("{method}, guided and by power"));
+        // The same room without that lamp.
+        let alone = mean_and_error(&alone, method, &parameters("power"), 2);
+        assert_same(auto, alone, 0.0, &format!("{method}, with the lamp and without"));
+        let [guided, power, alone] = [auto, power, alone].map(|[_, _, noise]| noise);
+        assert!(guided < 0.1 * power, "{method}: guided {guided} and by power {power}");
+        assert!(guided < 2.0 * alone, "{method}: guided {guided} and without the lamp {alone}");
+    }
+    let parameters = r#"{"photons_per_pass": 60000, "emission": "auto"}"#;
+    assert!(learns_a_guide(&scene, "photon_map", parameters));
+    let [with, without] = [&scene, &alone].map(|scene| mean_and_error(scene, "photon_map", parameters, 2));
+    // Nearest photons lie nearer where more of them come: the bias differs.
+    assert_same(with, without, 0.02, "photon_map, with the lamp and without");
+}
+
+/// An environment map, a spot, a point light, the sun's kind and an area light of uneven importance.
+#[test]
+fn guided_photons_of_all_kinds_of_lights_make_the_same_picture() {
+    let body = "<sensor type='perspective'><float name='fov' value='40'/><transform name='to_world'>\
+        <lookat origin='0, 0, 2' target='0, 0, 0' up='0, 1, 0'/></transform><film type='hdrfilm'>\
+        <integer name='width' value='16'/><integer name='height' value='16'/><rfilter type='box'/></film></sensor>\
+        <shape type='rectangle'><transform name='to_world'><scale value='4'/></transform><bsdf type='diffuse'/></shape>\
+        <shape type='sphere'><point name='center' value='0.3, 0.1, 0.3'/><float name='radius' value='0.3'/><bsdf type='diffuse'/>\
+        </shape><emitter type='constant'><rgb name='radiance' value='0.2, 0.3, 0.5'/></emitter>\
+        <emitter type='spot'><rgb name='intensity' value='3, 2, 2'/><transform name='to_world'>\
+        <lookat origin='1, 1, 2' target='0, 0, 0' up='0, 1, 0'/></transform></emitter>\
+        <emitter type='point'><point name='position' value='-3, 3, 1'/><rgb name='intensity' value='5'/></emitter>\
+        <emitter type='directional'><vector name='direction' value='1, 0.5, -2'/><rgb name='irradiance' value='0.5'/></emitter>\
+        <shape type='sphere'><point name='center' value='-1, -1, 1'/><float name='radius' value='0.2'/>\
+        <emitter type='area'><rgb name='radiance' value='4, 3, 2'/></emitter></shape>";
+    let scene = Arc::new(prepare(body, &[]).expect("the scene is good"));
+    let parameters = |emission: &str| {
+        format!(
+            r#"{{"direct": "photons", "photons_per_pass": 20000, "initial_radius": 0.03, "emission": "{emission}"}}"#
+        )
+    };
+    assert!(learns_a_guide(&scene, "sppm", &parameters("guided")));
+    let [power, guided] = ["power", "guided"].map(|emission| mean_and_error(&scene, "sppm", &parameters(emission), 8));
+    assert_same(guided, power, 0.0, "guided and by power");
+    assert_same(guided, mean_and_error(&scene, "path", "{}", 8), 0.01, "guided and path");
+    assert!(guided[1] < 0.03 * guided[0], "the test is blind");
+}
+
+#[test]
+fn a_guided_furnace_is_a_furnace() {
+    let scene = reference_scene("furnace-closed");
+    let parameters = r#"{"initial_radius": 0.01, "photons_per_pass": 16384, "emission": "guided"}"#;
+    assert!(learns_a_guide(&scene, "sppm", parameters));
+    let [found, error, _] = mean_and_error(&scene, "sppm", parameters, 4);
+    println!("{found:.5} ± {error:.5}");
+    assert!((found - 1.0).abs() < ERRORS * error + 0.003 && error < 0.0035, "{found} ± {error}");
+}
+
+/// Nothing is paid where nothing is to be gained.
+#[test]
+fn photons_of_a_lamp_in_an_open_box_start_by_power() {
+    for name in ["cornell-diffuse", "cornell-glass", "lantern", "furnace-closed"] {
+        let scene = reference_scene(name);
+        assert!(!learns_a_guide(&scene, "sppm", r#"{"emission": "auto"}"#), "{name}");
+        let pilot = |emission: &str| {
+            let job = Job::new(&scene, "sppm", &format!(r#"{{"emission": "{emission}"}}"#));
+            job.renderer.pilot(&job.never).expect("nobody cancels")
+        };
+        assert_eq!(pilot("auto"), pilot("power"), "{name}: the same radii, the same cut");
+    }
+}
+
+#[test]
+fn guided_pictures_have_the_same_bits_from_any_number_of_threads() {
+    let scene = repository_scene("sealed-lamp/scene.xml", "24");
+    let parameters = r#"{"photons_per_pass": 10000, "emission": "auto"}"#;
+    let bits: Vec<Vec<u32>> = [1, 2, 3]
+        .into_iter()
+        .map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            let picture = pool.install(|| Job::new(&scene, "sppm", parameters).run(4, 2).picture());
+            picture.radiance.iter().flatten().map(|value| value.to_bits()).collect()
+        })
+        .collect();
+    assert!(learns_a_guide(&scene, "sppm", parameters));
+    assert!(bits[0] == bits[1] && bits[1] == bits[2]);
+}
+
+/// Paths of two lights, spread evenly, that are worth what `worth` says of light and numbers.
+fn paths(worth: impl Fn(u32, [f32; 4]) -> f64) -> Vec<EmittedPath> {
+    let random = PassRandom::independent(11, Stream::Photon, 0);
+    let path = |index: u32| {
+        let light = index % 2;
+        let numbers = random.path(index).block(0);
+        EmittedPath { start: EmissionPoint { light, numbers, density: 1.0 }, worth: worth(light, numbers) }
+    };
+    (0..1 << 16).map(path).collect()
+}
+
+#[test]
+fn what_photons_are_worth_is_learnt() {
+    // An eighth of the second light is worth anything: photons that start there with density q have 1/q of the variance. An eighth goes by power,
+    // and an eighth of the others evenly over that light.
+    let corner = paths(|light, numbers| f64::from(u8::from(light == 1 && numbers[0] < 0.5 && numbers[2] > 0.75)));
+    let lesson = learn(&corner, 2, |_| 0.5).expect("photons are worth something");
+    let best = BY_POWER + (1.0 - BY_POWER) * (0.875 + 0.125 / 8.0) * 16.0;
+    assert!((lesson.gain / best - 1.0).abs() < 0.1, "a gain of {} where {best} can be had", lesson.gain);
+    // Where all is worth the same, no cell is cut and nothing is gained.
+    let even = learn(&paths(|_, _| 2.0), 2, |_| 0.5).expect("photons are worth something");
+    assert!((even.gain - 1.0).abs() < 1e-3 && even.values.len() == 2, "{even:?}");
+    assert_eq!(learn(&paths(|_, _| 0.0), 2, |_| 0.5), None);
+}
