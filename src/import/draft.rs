@@ -141,6 +141,11 @@ impl Draft {
         self.with(name, Value::Boolean(flag))
     }
 
+    /// A `ply` or `sphere` whose outside stays outside where `to_world` mirrors it, as in most programs but Mitsuba.
+    pub(super) fn keeping_outside(self, to_world: DMat4) -> Self {
+        if to_world.determinant() < 0.0 { self.with_flag("keep_outside", true) } else { self }
+    }
+
     pub(super) fn with_text(self, name: &str, text: &str) -> Self {
         self.with(name, Value::String(text.to_owned()))
     }

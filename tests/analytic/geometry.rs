@@ -369,25 +369,34 @@ fn analytic_rays_along_the_axes_hit() {
     }
 }
 
-/// Outside is outside in a mirror, too; `flip_normals` turns it round.
+/// In a mirror the order of a mesh's corners says that the inside is outside, as in Mitsuba, but with `keep_outside`; so it is with spheres.
 #[test]
-fn analytic_mirrored_meshes_keep_their_outside() {
+fn analytic_mirrored_shapes_turn_over_unless_they_keep_their_outside() {
     let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
-    for (scale, flip, face_normals) in
-        [("1", false, true), ("-1", false, true), ("-1", true, true), ("-1", false, false), ("-1", true, false)]
-    {
-        let body = format!(
-            "<shape type='obj'><string name='filename' value='t.obj'/><boolean name='face_normals' value='{face_normals}'/>\
-            <boolean name='flip_normals' value='{flip}'/><transform name='to_world'><scale x='{scale}' y='1' z='1'/>\
-            </transform>{TWO_SIDED}</shape>"
-        );
-        let scene = scene(&body, &[("t.obj", tetrahedron.to_owned())]);
-        let middle = Vec3::new(0.25 * scale.parse::<f32>().expect("a number"), 0.25, 0.25);
-        for index in 0..1000 {
-            let out = direction(70, index);
-            let hit = scene.geometry.intersect(&Ray::new(middle + out * 5.0, -out)).expect("the middle is inside");
-            let outside = hit.geometric_normal.dot(out) > 0.0;
-            assert_eq!(outside, !flip, "scale {scale}, flip {flip}, face normals {face_normals}");
+    let mesh = |face_normals: bool| {
+        format!(
+            "<shape type='obj'><string name='filename' value='t.obj'/><boolean name='face_normals' value='{face_normals}'/>"
+        )
+    };
+    let sphere = "<shape type='sphere'><point name='center' x='0.25' y='0.25' z='0.25'/>".to_owned();
+    for shape in [mesh(true), mesh(false), sphere] {
+        for (scale, flip, keep) in [(1.0, false, false), (1.0, true, true), (-1.0, false, false), (-1.0, true, false)]
+            .into_iter()
+            .chain([(-1.0, false, true), (-1.0, true, true)])
+        {
+            let body = format!(
+                "{shape}<boolean name='flip_normals' value='{flip}'/><boolean name='keep_outside' value='{keep}'/>\
+                <transform name='to_world'><scale x='{scale}' y='1' z='1'/></transform>{TWO_SIDED}</shape>"
+            );
+            let scene = scene(&body, &[("t.obj", tetrahedron.to_owned())]);
+            let middle = Vec3::new(0.25 * scale, 0.25, 0.25);
+            let turns = scale < 0.0 && !keep;
+            for index in 0..1000 {
+                let out = direction(70, index);
+                let hit = scene.geometry.intersect(&Ray::new(middle + out * 5.0, -out)).expect("the middle is inside");
+                let outside = hit.geometric_normal.dot(out) > 0.0;
+                assert_eq!(outside, flip == turns, "{shape}: scale {scale}, flip {flip}, keep {keep}");
+            }
         }
     }
 }

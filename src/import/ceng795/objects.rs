@@ -97,7 +97,9 @@ impl<'a> Objects<'a> {
         mesh.report_unknown(&["Material", "Faces", "Transformations"], &["shadingMode"], self.notices);
         let (shape, triangles) = self.faces(mesh)?;
         let (to_world, material) = (self.transformations.of(mesh)?, self.materials.of(mesh)?);
-        self.shapes.push(shape.clone().with_transform("to_world", to_world).with_reference(&material));
+        self.shapes.push(
+            shape.clone().keeping_outside(to_world).with_transform("to_world", to_world).with_reference(&material),
+        );
         let id = mesh.attribute("id").map_or_else(|| (index + 1).to_string(), str::to_owned);
         if self.bases.insert(id, Base { shape, triangles, to_world, material }).is_some() {
             return Err(mesh.error("the id is given twice", "give every mesh an id of its own"));
@@ -178,7 +180,8 @@ impl<'a> Objects<'a> {
         let indices = triangle.required("Indices")?;
         indices.report_unknown(&[], &["vertexOffset", "textureOffset"], self.notices);
         let (shape, _) = self.generated(triangle, &indices)?;
-        let shape = shape.with_transform("to_world", self.transformations.of(triangle)?);
+        let to_world = self.transformations.of(triangle)?;
+        let shape = shape.keeping_outside(to_world).with_transform("to_world", to_world);
         self.shapes.push(shape.with_reference(&self.materials.of(triangle)?));
         Ok(())
     }
@@ -198,7 +201,10 @@ impl<'a> Objects<'a> {
         let location = object.location();
         if is_similarity(to_world) {
             let sphere = Draft::new(PluginClass::Shape, "sphere", &location).with_point("center", center);
-            return Ok(sphere.with_float("radius", radius).with_transform("to_world", to_world));
+            return Ok(sphere
+                .with_float("radius", radius)
+                .keeping_outside(to_world)
+                .with_transform("to_world", to_world));
         }
         if radius <= 0.0 {
             return Err(object.error(format!("the radius is {radius}"), "write a number above 0"));
@@ -212,12 +218,13 @@ impl<'a> Objects<'a> {
         self.made.meshes.entry(name.to_owned()).or_insert_with(|| sphere.into());
         let placed = to_world * transform::translate(center.to_array()) * transform::scale([radius; 3]);
         let mesh = Draft::new(PluginClass::Shape, "ply", &location).with_text("filename", name);
-        Ok(mesh.with_transform("to_world", placed))
+        Ok(mesh.keeping_outside(placed).with_transform("to_world", placed))
     }
 
     fn light_mesh(&mut self, light: &Element<'_>) -> Result<(), SceneError> {
         light.report_unknown(&["Material", "Radiance", "Faces", "Transformations"], &["shadingMode"], self.notices);
-        let shape = self.faces(light)?.0.with_transform("to_world", self.transformations.of(light)?);
+        let to_world = self.transformations.of(light)?;
+        let shape = self.faces(light)?.0.keeping_outside(to_world).with_transform("to_world", to_world);
         self.emitting(light, shape)
     }
 

@@ -214,12 +214,12 @@ impl<'d> Contents<'d> {
             let Placement { file, material, location, to_world } = placement;
             let key = (file.name.as_str(), material.id.as_str());
             if (uses[&key] - 1) * file.triangles <= MOST_COPIED {
-                self.shapes.push(placement.shape().with_place(*to_world));
+                self.shapes.push(placement.shape().keeping_outside(*to_world).with_place(*to_world));
             } else if material.emitter.as_ref().is_some_and(|emitter| !lights_nothing(emitter)) {
                 let explanation = "each is a mesh of its own, which takes time and memory: instances cannot emit";
                 let subject = "the instances of a mesh that shines";
                 output.notices.add(Notice::approximated(location, subject, explanation));
-                self.shapes.push(placement.shape().with_place(*to_world));
+                self.shapes.push(placement.shape().keeping_outside(*to_world).with_place(*to_world));
             } else {
                 let next = format!("instanced_{}", groups.len());
                 let id = groups.entry(key).or_insert_with(|| {

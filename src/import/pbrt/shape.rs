@@ -67,6 +67,10 @@ pub(super) fn read(
     } else {
         shape.with_transform("to_world", setting.to_world)
     };
+    let shape = match shape.plugin.as_str() {
+        "ply" | "sphere" => shape.keeping_outside(setting.to_world),
+        _ => shape,
+    };
     Ok(Some(if setting.reverse { shape.with_flag("flip_normals", true) } else { shape }))
 }
 

@@ -146,8 +146,9 @@ pub(super) fn placed(
         .iter()
         .map(|point| to_single(to_world.point(Vec3::from_array(*point).as_dvec3()), fields))
         .collect::<Result<Vec<Vec3>, SceneError>>()?;
-    // A mirror image keeps its outside: its triangles turn the other way.
-    let reversed = flip != (to_world.handedness() < 0.0);
+    // A mirror image keeps its outside where the file's normals say what that is: its triangles turn the other way.
+    let turns = to_world.turns_outside(fields)? && (face_normals || mesh.normals.is_empty());
+    let reversed = flip != (to_world.handedness() < 0.0 && !turns);
     let sign = |turned: bool| if turned { -1.0 } else { 1.0 };
     let normals: Vec<Vec3> = match (face_normals, mesh.normals.is_empty()) {
         (true, _) => Vec::new(),

@@ -1,6 +1,7 @@
 //! `sphere`: `center` (point, origin) and `radius` (m, above 0, 1) in its own space, then `to_world`.
 //! Where that scales unevenly, it stays a sphere, as in Mitsuba: with the scale along x that is left when the rotation is taken
-//! off. Outside is away from the centre; `flip_normals` (boolean, false) turns it round.
+//! off. Outside is away from the centre; `flip_normals` (boolean, false) turns it round, and so does a `to_world` that mirrors, as in Mitsuba,
+//! unless `keep_outside` (boolean, false) is set.
 
 use std::f32::consts::{FRAC_1_PI, PI, TAU};
 
@@ -41,7 +42,7 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let sphere = Sphere {
         center: to_single(to_world.point(center), fields)?,
         radius: to_single(DVec3::splat(radius * to_world.scale()), fields)?.x,
-        orientation: if flip { -1.0 } else { 1.0 },
+        orientation: if flip != to_world.turns_outside(fields)? { -1.0 } else { 1.0 },
         pole: axis(DVec3::Z).as_vec3(),
         meridian: axis(DVec3::X).as_vec3(),
         handedness: to_world.handedness(),

@@ -53,6 +53,13 @@ impl ToWorld {
         if self.normal_matrix.determinant() < 0.0 { -1.0 } else { 1.0 }
     }
 
+    /// Whether it turns the outside of a shape over that it mirrors: Mitsuba's spheres, and its meshes whose corners alone say what is outside. Other
+    /// programs' shapes have `keep_outside`.
+    pub fn turns_outside(&self, fields: &mut Fields<'_>) -> Result<bool, SceneError> {
+        let keeps = fields.boolean("keep_outside")?.unwrap_or(false);
+        Ok(!keeps && self.handedness() < 0.0)
+    }
+
     /// Whether it scales all lengths by one factor.
     pub fn is_similarity(&self) -> bool {
         let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.vector(axis));
