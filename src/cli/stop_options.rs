@@ -11,11 +11,19 @@ pub(super) struct StopOptions {
     #[arg(long)]
     passes: Option<u32>,
     /// Stop after this many seconds in all.
-    #[arg(long)]
+    #[arg(long, value_parser = finite)]
     seconds: Option<f64>,
     /// Stop when the picture's relMSE is below this, as the job itself estimates with 95 % confidence.
-    #[arg(long, value_name = "RELMSE")]
+    #[arg(long, value_name = "RELMSE", value_parser = finite, allow_negative_numbers = true)]
     error: Option<f64>,
+}
+
+/// A number that JSON can carry: it has none for what is not finite, and a rule without a number would be no rule.
+fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("give a finite number".to_owned()),
+    }
 }
 
 impl StopOptions {

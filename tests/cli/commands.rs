@@ -43,6 +43,11 @@ fn wrong_usage_is_2() {
     failure(&run(&["render"]), 2);
     failure(&run(&["render", "a.xml", "--set", "alpha"]), 2);
     failure(&run(&["render", "a.xml", "--threads", "0"]), 2);
+    // JSON has no such numbers: without one a rule would be none.
+    for number in ["nan", "inf", "1e400"] {
+        failure(&run(&["render", "a.xml", "--error", number]), 2);
+        failure(&run(&["render", "a.xml", "--seconds", number]), 2);
+    }
     let stderr = failure(&run(&["render", "a.xml", "--layers", "radius,detph"]), 2);
     assert!(LAYERS.iter().all(|row| stderr.contains(row.name)), "{stderr}");
 }

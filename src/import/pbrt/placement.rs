@@ -95,7 +95,11 @@ impl Reader<'_> {
         let Some(object) = self.objects.get(name) else {
             let known: Vec<&str> = self.objects.keys().map(String::as_str).filter(|name| name.len() < 80).collect();
             let problem = format!("there is no object {}", shown(name));
-            return Err(SceneError::new(place, problem, nearest_name(name, &known)));
+            let remedy = match known.is_empty() {
+                true => "define it between ObjectBegin and ObjectEnd first".to_owned(),
+                false => nearest_name(name, &known),
+            };
+            return Err(SceneError::new(place, problem, remedy));
         };
         if object.shapes.is_empty() {
             return Ok(());
