@@ -41,15 +41,18 @@ fn zoo(steps: &str, any_affine: bool) -> String {
         "<scale x='0.2' y='0.3' z='0.25'/><rotate y='1' angle='30'/><translate value='0.5, -0.4, 0.4'/>",
         "",
     );
+    // Instances keep the outside in a mirror.
+    let keep = "<boolean name='keep_outside' value='true'/>";
     // Normals are interpolated before an instance shears them and after a mesh is sheared: flat ones are the same.
     let flat = format!("<boolean name='face_normals' value='{any_affine}'/>");
     shapes += &shape(
         "obj",
         "<translate value='-0.8, 0.3, 0.2'/>",
-        &format!("<string name='filename' value='wave.obj'/>{flat}"),
+        &format!("<string name='filename' value='wave.obj'/>{flat}{keep}"),
     );
     if !any_affine {
-        shapes += &shape("sphere", "<translate value='0.4, 0.5, -0.3'/>", "<float name='radius' value='0.3'/>");
+        let radius = format!("<float name='radius' value='0.3'/>{keep}");
+        shapes += &shape("sphere", "<translate value='0.4, 0.5, -0.3'/>", &radius);
         shapes += &shape(
             "cylinder",
             "<rotate x='1' angle='30'/><translate value='-0.4, -0.5, -0.5'/>",
