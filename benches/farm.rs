@@ -22,6 +22,7 @@ use photonfarm::farm::rules::{Answer, Event, Outcome, Rules, RulesOptions};
 use photonfarm::farm::snapshot::{FieldKey, Snapshot, SnapshotField};
 use photonfarm::farm::wire::BUILD;
 use photonfarm::farm::wire::messages::RegisterRequest;
+use photonfarm::render::Guides;
 use prost::Message;
 
 const WIDTH: u32 = 1920;
@@ -42,7 +43,7 @@ fn snapshot() -> Snapshot {
     let estimate = Estimate::new(WIDTH, HEIGHT, &[region], declaration, &first).expect("one radius per pixel");
     let field = SnapshotField { key: FieldKey { epoch: 0, region: 0 }, field: estimate.radius_field(region) };
     let plan = Plan::new(WIDTH, HEIGHT, 4_000_000, Some(1000), RadiusRule::Statistics);
-    Snapshot { plan, estimate, merged: 0, next_look: 2, error: None, fields: vec![field], emission_guide: Vec::new() }
+    Snapshot { plan, estimate, merged: 0, next_look: 2, error: None, fields: vec![field], guides: Guides::default() }
 }
 
 #[divan::bench(sample_count = 10, sample_size = 1)]

@@ -40,7 +40,7 @@ fn pass_of_512_by_512_pixels(bencher: Bencher<'_, '_>, method: &str) {
     let go_on = AtomicBool::new(false);
     let region = Region { row_start: 0, row_end: scene.height };
     let pilot = renderer.pilot(&go_on).expect("not cancelled");
-    let renderer = renderer.guided(pilot.emission_guide()).expect("the pilot fits the lights");
+    let renderer = renderer.guided(&pilot.guides()).expect("the pilot fits the lights");
     let declaration = renderer.declaration().clone();
     let estimate = Estimate::new(scene.width, scene.height, &[region], declaration, pilot.radius_squared());
     let estimate = estimate.expect("the pilot fits");

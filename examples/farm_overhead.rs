@@ -49,7 +49,7 @@ impl Job {
             )?;
             let never = AtomicBool::new(false);
             let pilot = renderer.pilot(&never)?;
-            let renderer = renderer.guided(pilot.emission_guide())?;
+            let renderer = renderer.guided(&pilot.guides())?;
             let declaration = renderer.declaration().clone();
             let (width, height, passes) = (scene.width, scene.height, Some(self.passes));
             let plan = Plan::new(width, height, pilot.cost_per_pass(), passes, declaration.radius_rule);

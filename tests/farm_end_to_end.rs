@@ -225,6 +225,30 @@ async fn guided_photons_have_the_same_bits_from_one_worker_and_from_four() {
     }
 }
 
+/// So does what it learns of a second lamp, which a wall hides.
+#[tokio::test(flavor = "multi_thread")]
+async fn visible_picks_have_the_same_bits_from_one_worker_and_from_four() {
+    let hidden = "<shape type='sphere'><point name='center' value='50, 0, 0'/><float name='radius' value='0.2'/>\
+        <emitter type='area'><rgb name='radiance' value='1e6'/></emitter></shape>\
+        <shape type='sphere'><point name='center' value='50, 0, 0'/><bsdf type='diffuse'/></shape></scene>";
+    let scene = SCENE.replace("</scene>", hidden);
+    for method in ["path", "bdpt"] {
+        let mut pictures = Vec::new();
+        for (workers, threads, picks) in [(1, 1, "auto"), (4, 1, "auto"), (1, 2, "auto"), (1, 1, "importance")] {
+            let farm = Farm::start(Duration::from_secs(15)).await;
+            let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), threads)).collect();
+            let scene = farm.handle.add_scene(scene.clone().into()).await.expect("a good scene").hash;
+            let parameters = serde_json::Map::from_iter([("light_picks".to_owned(), json!(picks))]);
+            let method = Some(method.to_owned());
+            let request = JobRequest { method, parameters, stop: passes(40), seed: 7, ..JobRequest::of_scene(scene) };
+            let id = farm.handle.submit(request).await.expect("a good request");
+            pictures.push(farm.bits(id).await);
+        }
+        assert!(pictures[0] == pictures[1] && pictures[1] == pictures[2], "{method}");
+        assert!(pictures[2] != pictures[3], "{method}: the hidden lamp is picked less often");
+    }
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn killed_workers_do_not_change_the_picture() {
     let farm = Farm::start(Duration::from_millis(600)).await;

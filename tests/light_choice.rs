@@ -11,8 +11,11 @@ use photonfarm::math::color::luminance;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
-use photonfarm::scene::light::importance::{Aim, ImportanceSampler, Lamp};
-use photonfarm::scene::light::{DirectSample, LightImportance};
+use photonfarm::scene::light::importance::{Aim, Lamp};
+use photonfarm::scene::light::importance_sampler::ImportanceSampler;
+use photonfarm::scene::light::visibility::VisibilityNode;
+use photonfarm::scene::light::{DirectSample, LightImportance, LightVisibility};
+use photonfarm::transport::visibility_learning::{LightTrial, learn};
 
 /// Evenly spread numbers in [0, 1).
 const STEPS: u32 = 200_000;
@@ -45,22 +48,25 @@ fn importances(count: usize) -> Vec<LightImportance> {
 
 #[test]
 fn lights_are_picked_as_often_as_their_probabilities_say() {
-    // One group of lamps, and several.
-    for count in [0, 1, 30, 1000] {
+    // One group of lamps, and several; whatever is known of occlusion.
+    for (count, hides) in [0, 1, 30, 1000].into_iter().flat_map(|count| [(count, false), (count, true)]) {
         let importances = importances(count);
         let picks = ImportanceSampler::new(&importances, 1e-3);
+        let share = |light: usize| numbers(light as u32)[3].powi(4).max(1e-6);
+        let shares = hides.then(|| picks.arrange(&(0..importances.len()).map(share).collect::<Vec<f32>>()));
+        let shares = shares.as_deref();
         for position in [Vec3::splat(10.0), Vec3::new(3.0, 19.0, -1.0), Vec3::new(500.0, 0.0, 40.0)] {
             let place = position.into();
             let mut found = vec![0u32; importances.len()];
             for step in 0..STEPS {
                 let u = (step as f32 + 0.5) / STEPS as f32;
-                let (light, probability) = picks.pick(&place, u).expect("there are lights outside");
+                let (light, probability) = picks.pick(&place, shares, u).expect("there are lights outside");
                 found[light] += 1;
-                let told = picks.probability(&place, light);
+                let told = picks.probability(&place, shares, light);
                 assert!((probability - told).abs() <= 1e-5 * told, "light {light}: {probability} and {told}");
             }
             for (light, found) in found.into_iter().enumerate() {
-                let (share, told) = (found as f32 / STEPS as f32, picks.probability(&place, light));
+                let (share, told) = (found as f32 / STEPS as f32, picks.probability(&place, shares, light));
                 // A step more or less at either end, and rounding of the running sum.
                 assert!((share - told).abs() < 5e-5, "{count} lamps, light {light} at {position}: {share} and {told}");
             }
@@ -74,8 +80,13 @@ fn near_and_bright_lamps_are_picked_more_often() {
         LightImportance::Near(Lamp { center: Vec3::X * x, radius: 0.0, intensity, aim: Aim::Everywhere })
     };
     let picks = ImportanceSampler::new(&[lamp(1.0, 1.0), lamp(2.0, 1.0), lamp(2.0, 8.0)], 1e-3);
-    let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), light));
+    let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), None, light));
     let expected = [4.0 / 13.0, 1.0 / 13.0, 8.0 / 13.0];
+    assert!((0..3).all(|light| (found[light] - expected[light]).abs() < 1e-6), "{found:?}");
+    // The brightest is seen from an eighth of the places.
+    let shares = picks.arrange(&[1.0, 1.0, 0.125]);
+    let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), Some(&shares), light));
+    let expected = [4.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0];
     assert!((0..3).all(|light| (found[light] - expected[light]).abs() < 1e-6), "{found:?}");
 }
 
@@ -115,6 +126,97 @@ fn picks_of(scene: &Scene) -> ImportanceSampler {
     ImportanceSampler::new(&importances, 1e-4)
 }
 
+/// Numbers of a tree with two cells, across x, and shares of `count` lights that differ there.
+fn two_cells(count: usize) -> Vec<f32> {
+    let mut values = Vec::new();
+    VisibilityNode::Parted { axis: 0, at: 0.5 }.write(&mut values);
+    for cell in 0..2 {
+        let shares: Vec<f32> = (0..count).map(|light| if (light + cell) % 2 == 0 { 1.0 } else { 1e-4 }).collect();
+        VisibilityNode::Cell(&shares).write(&mut values);
+    }
+    values
+}
+
+#[test]
+fn seen_lights_are_picked_as_often_as_their_probabilities_say() {
+    let scene = all_kinds();
+    let count = scene.lights.lights().len();
+    let visibility = LightVisibility::new(&two_cells(count), &scene.lights).expect("a good tree");
+    let seeing = scene.with_lights(scene.lights.with_visibility(visibility));
+    for position in [Vec3::new(-0.9, -0.8, 2.0), Vec3::new(0.9, -0.7, -0.7)] {
+        let hit = seeing.intersect(&Ray::new(position.with_z(0.01), -Vec3::Z)).expect("the rectangle is behind all");
+        for place in [seeing.place(&hit), position.into()] {
+            let mut found = vec![0u32; count];
+            for step in 0..STEPS {
+                let (light, probability) =
+                    seeing.lights.pick(&place, (step as f32 + 0.5) / STEPS as f32).expect("there is a sky");
+                found[light] += 1;
+                let told = seeing.lights.probability(&place, light);
+                assert!((probability - told).abs() <= 1e-5 * told, "light {light}: {probability} and {told}");
+            }
+            for (light, found) in found.into_iter().enumerate() {
+                let (share, told) = (found as f32 / STEPS as f32, seeing.lights.probability(&place, light));
+                assert!((share - told).abs() < 5e-5, "light {light} at {position}: {share} and {told}");
+                assert!(told > 0.0 || scene.lights.probability(&place, light) == 0.0, "light {light} is lost");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_no_tree_is_refused() {
+    let scene = all_kinds();
+    let good = two_cells(scene.lights.lights().len());
+    assert!(LightVisibility::new(&good, &scene.lights).is_ok());
+    let with = |index: usize, value: f32| {
+        let mut values = good.clone();
+        values[index] = value;
+        values
+    };
+    let longer = [good.as_slice(), &[1.0]].concat();
+    let wrong = [vec![], good[1..].to_vec(), good[..good.len() - 1].to_vec(), longer, [-1.0, 0.0].repeat(1000)];
+    let numbers =
+        [with(0, -4.0), with(0, f32::NAN), with(1, f32::INFINITY), with(2, 0.0), with(3, 1.5), with(4, f32::NAN)];
+    for values in wrong.iter().chain(&numbers) {
+        assert!(LightVisibility::new(values, &scene.lights).is_err(), "{values:?}");
+    }
+}
+
+/// A trial of one of two lights at a random place in a box of 1 m.
+fn trial(index: u32, arrives: impl Fn(u32, Vec3) -> bool) -> LightTrial {
+    let (light, position) = (index % 2, place(index));
+    LightTrial { position, light, arrives: arrives(light, position) }
+}
+
+#[test]
+fn where_lights_are_seen_is_learnt() {
+    let trials: Vec<LightTrial> =
+        (0..1 << 15).map(|index| trial(index, |light, position| light == 0 && position.x < 0.75)).collect();
+    let values = learn(&trials, 2).expect("few lights");
+    let scene = all_kinds();
+    let share = |position: Vec3| cell_of(&values, position);
+    // Far from the border; the second light is seen nowhere.
+    let (seen, hidden) = (share(Vec3::new(0.2, 0.5, 0.5)), share(Vec3::new(0.9, 0.5, 0.5)));
+    assert!(seen[0] > 0.99 && hidden[0] < 0.1, "{seen:?} and {hidden:?}");
+    assert!(seen[1] < 1e-4 && hidden[1] < 1e-4, "{seen:?} and {hidden:?}");
+    assert!(learn(&[], 2).is_some_and(|values| values == [1.0, 1.0]), "all lights are seen where none was tried");
+    assert_eq!(learn(&trials, 1 << 20), None);
+    assert!(scene.lights.visibility().is_none());
+}
+
+/// The shares of two lights in the cell of a tree.
+fn cell_of(values: &[f32], position: Vec3) -> [f32; 2] {
+    fn end(values: &[f32], node: usize) -> usize {
+        if values[node] < 0.0 { end(values, end(values, node + 2)) } else { node + 2 }
+    }
+    let mut node = 0;
+    while values[node] < 0.0 {
+        let axis = (-1.0 - values[node]) as usize;
+        node = if position[axis] < values[node + 1] { node + 2 } else { end(values, node + 2) };
+    }
+    [values[node], values[node + 1]]
+}
+
 #[test]
 fn every_light_that_arrives_can_be_picked() {
     let scene = all_kinds();
@@ -124,7 +226,7 @@ fn every_light_that_arrives_can_be_picked() {
         let [u, v, ..] = numbers(2 * index);
         let (u, place) = ([u, v], (place(2 * index + 1) - 0.5) * 8.0);
         for (index, light) in lights.iter().enumerate() {
-            let can_be_picked = picks.probability(&place.into(), index) > 0.0;
+            let can_be_picked = picks.probability(&place.into(), None, index) > 0.0;
             if light.sample_direct(&scene.geometry, place, u).is_some() {
                 arrived += 1;
                 assert!(can_be_picked, "light {index} arrives at {place} and is never picked");
@@ -149,7 +251,7 @@ fn every_light_over_the_horizon_can_be_picked() {
         let surface = scene.place(&hit);
         let facing = hit.geometric_normal * hit.outgoing.dot(hit.geometric_normal).signum();
         for (index, light) in lights.iter().enumerate() {
-            let can_be_picked = picks.probability(&surface, index) > 0.0;
+            let can_be_picked = picks.probability(&surface, None, index) > 0.0;
             let sample = light.sample_direct(&scene.geometry, surface.position, [u, v]);
             if sample.is_some_and(|sample| sample.direction.dot(facing) > 1e-4) {
                 arrived += 1;

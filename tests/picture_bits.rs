@@ -86,7 +86,7 @@ fn begin(scene: &Scene, renderer: &Renderer, regions: &[Region]) -> (Estimate, R
     let pilot = renderer.pilot(&AtomicBool::new(false)).expect("nobody cancels");
     let declaration = renderer.declaration().clone();
     let estimate = Estimate::new(scene.width, scene.height, regions, declaration, pilot.radius_squared());
-    let renderer = renderer.guided(pilot.emission_guide()).expect("the pilot fits the lights");
+    let renderer = renderer.guided(&pilot.guides()).expect("the pilot fits the lights");
     (estimate.expect("the pilot fits"), renderer)
 }
 

@@ -305,6 +305,7 @@ const TRACERS: &[&str] = &["farm/worker/", "farm/method_choice.rs", "farm/local_
 
 /// What the coordinator's side may use of the layers that trace: data, names and checks, none of which can trace a ray.
 const HARMLESS: &[&str] = &[
+    "render::Guides",
     "render::Pilot",
     "render::first_surface::FirstSurface",
     "evaluation::DEFAULT_ERROR",

@@ -6,7 +6,7 @@ use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Reg
 use photonfarm::farm::ids::{Fencing, JobId, LeaseId};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::wire::first_surfaces;
-use photonfarm::farm::wire::guide;
+use photonfarm::farm::wire::guides;
 use photonfarm::farm::wire::lease::{
     ChoiceTerms, JobDescription, LeasedWork, ShardTerms, WorkerLease, decode_lease, encode_lease,
 };
@@ -16,8 +16,8 @@ use photonfarm::farm::wire::radius;
 use photonfarm::farm::wire::result::{decode_checked_tally, decode_pilot, decode_tally, encode_pilot, encode_tally};
 use photonfarm::math::{Rgb, Vec3};
 use photonfarm::method::{self, FIRST_RADIUS_SQUARED, MethodChoice, PilotField};
-use photonfarm::render::Pilot;
 use photonfarm::render::first_surface::FirstSurface;
+use photonfarm::render::{Guides, Pilot};
 use proptest::prelude::*;
 use prost::Message;
 
@@ -89,14 +89,21 @@ fn radius_fields_and_pilots_keep_every_bit() {
 }
 
 #[test]
-fn emission_guides_keep_every_bit() {
-    for values in [vec![], vec![-1.0, 0.25, 0.75], (0..100_000).map(|index| 1.0 / (1 + index) as f32).collect()] {
-        assert_eq!(guide::decode(&guide::encode(&values)), Ok(values));
+fn guides_keep_every_bit() {
+    let emission = [vec![], vec![-1.0, 0.25, 0.75], (0..100_000).map(|index| 1.0 / (1 + index) as f32).collect()];
+    for emission in emission {
+        for visibility in [vec![], vec![-3.0, 1.5, 0.25, 1.0, 1e-6, 0.5]] {
+            let guides = Guides { emission: emission.clone(), visibility };
+            assert_eq!(guides::decode(&guides::encode(&guides)), Ok(guides));
+        }
     }
-    let message = guide::encode(&[-1.0, 0.25, 0.75]);
+    let message = guides::encode(&Guides { emission: vec![-1.0, 0.25, 0.75], visibility: vec![1.0, 0.5, 0.25] });
     for length in [0, 2, 4, 1 << 30, u64::MAX] {
-        let wrong = messages::EmissionGuide { length, ..message.clone() };
-        assert!(guide::decode(&wrong).is_err(), "{length} numbers");
+        let wrong = [
+            messages::Guides { emission_length: length, ..message.clone() },
+            messages::Guides { visibility_length: length, ..message.clone() },
+        ];
+        assert!(wrong.iter().all(|wrong| guides::decode(wrong).is_err()), "{length} numbers");
     }
 }
 

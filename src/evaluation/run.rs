@@ -59,7 +59,7 @@ impl Run {
         let never = AtomicBool::new(false);
         let region = Region { row_start: 0, row_end: scene.height };
         let pilot = renderer.pilot(&never)?;
-        let renderer = renderer.guided(pilot.emission_guide())?;
+        let renderer = renderer.guided(&pilot.guides())?;
         let declaration = renderer.declaration().clone();
         let estimate = Estimate::new(scene.width, scene.height, &[region], declaration, pilot.radius_squared())?;
         let field = estimate.radius_field(region);

@@ -10,9 +10,9 @@ use super::job::StopRule;
 use super::rules::plan::Plan;
 use super::rules::terms::{MeasuredError, MergedTotals};
 use super::snapshot::{FieldKey, Snapshot, SnapshotField};
-use super::wire::{guide, radius};
+use super::wire::{guides, radius};
 use crate::estimate::{Declaration, Estimate, EstimateError, RadiusField, Tally};
-use crate::render::Pilot;
+use crate::render::{Guides, Pilot};
 
 /// A radius field, as it is merged with and as it travels.
 struct Field {
@@ -45,8 +45,8 @@ pub struct Merging {
     next_look: u64,
     /// The state that a longer job would have passed through, once what is merged goes beyond it.
     resume: Option<Vec<u8>>,
-    /// Where photons start, see [`Pilot::emission_guide`].
-    emission_guide: Vec<f32>,
+    /// What passes need beside radii.
+    guides: Guides,
 }
 
 /// The error is looked at again when this share of shards was added.
@@ -71,7 +71,7 @@ impl Merging {
             wanted_error,
             next_look: 2,
             resume: None,
-            emission_guide: pilot.emission_guide().to_vec(),
+            guides: pilot.guides(),
         };
         merging.take_fields(0);
         merging.keep_for_longer_jobs();
@@ -88,13 +88,13 @@ impl Merging {
             next_look: self.next_look,
             error: self.error,
             fields: self.fields.iter().map(field).collect(),
-            emission_guide: self.emission_guide.clone(),
+            guides: self.guides.clone(),
         }
     }
 
     /// Goes on from a snapshot, to an end that may be another.
     pub fn restore(snapshot: Snapshot, stop: &StopRule) -> Self {
-        let Snapshot { plan, estimate, merged, next_look, error, fields, emission_guide } = snapshot;
+        let Snapshot { plan, estimate, merged, next_look, error, fields, guides } = snapshot;
         let fields = fields.into_iter().map(|SnapshotField { key, field }| (key, Arc::new(Field::new(field))));
         let mut merging = Self {
             plan: plan.with_passes(stop.passes),
@@ -106,7 +106,7 @@ impl Merging {
             wanted_error: stop.error,
             next_look,
             resume: None,
-            emission_guide,
+            guides,
         };
         merging.keep_for_longer_jobs();
         merging
@@ -202,9 +202,9 @@ impl Merging {
         self.fields.get(&FieldKey { epoch: field_epoch, region }).map(|field| field.message.clone())
     }
 
-    /// Where photons start, as it travels.
-    pub fn guide_message(&self) -> Bytes {
-        guide::encode(&self.emission_guide).encode_to_vec().into()
+    /// What passes need beside radii, as it travels.
+    pub fn guides_message(&self) -> Bytes {
+        guides::encode(&self.guides).encode_to_vec().into()
     }
 
     /// What is merged, in numbers.

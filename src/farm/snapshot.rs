@@ -2,7 +2,7 @@
 //! happened.
 //!
 //! ```text
-//! "photonfarm snapshot 1\n"   block: header (JSON)   block: estimate   block: radius field   block: radius field   …   block: emission guide
+//! "photonfarm snapshot 1\n"   block: header (JSON)   block: estimate   block: radius field   block: radius field   …   block: emission guide   block: visibility of lights
 //! ```
 //!
 //! A block is its length (u64, little-endian) and its bytes; the estimate's are those of [`estimate::snapshot`], those of a radius field and
@@ -14,6 +14,7 @@ use super::rules::plan::Plan;
 use super::rules::terms::MeasuredError;
 use super::wire::planes;
 use crate::estimate::{self, Estimate, RadiusField};
+use crate::render::Guides;
 
 /// How every snapshot of this version begins.
 const MAGIC: &[u8] = b"photonfarm snapshot 1\n";
@@ -52,8 +53,8 @@ pub struct Snapshot {
     pub error: Option<MeasuredError>,
     /// Radius fields that later shards need.
     pub fields: Vec<SnapshotField>,
-    /// Where photons start, as numbers; empty for emission by power.
-    pub emission_guide: Vec<f32>,
+    /// What passes need beside radii.
+    pub guides: Guides,
 }
 
 /// A snapshot that cannot be read.
@@ -73,6 +74,9 @@ struct Header {
     /// Numbers of the emission guide.
     #[serde(default)]
     guide_values: usize,
+    /// Numbers of the visibility of lights.
+    #[serde(default)]
+    visibility_values: usize,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -93,7 +97,7 @@ impl BadSnapshot {
 impl Snapshot {
     /// To bytes.
     pub fn encode(&self) -> Result<Vec<u8>, BadSnapshot> {
-        let Self { plan, estimate, merged, next_look, error, fields, emission_guide } = self;
+        let Self { plan, estimate, merged, next_look, error, fields, guides } = self;
         let field = |field: &SnapshotField| FieldHeader {
             key: field.key,
             base_pass: field.field.base_pass,
@@ -106,7 +110,8 @@ impl Snapshot {
             next_look: *next_look,
             error: *error,
             fields: fields.iter().map(field).collect(),
-            guide_values: emission_guide.len(),
+            guide_values: guides.emission.len(),
+            visibility_values: guides.visibility.len(),
         };
         let mut bytes = MAGIC.to_vec();
         append(&mut bytes, &serde_json::to_vec(&header).map_err(BadSnapshot::because)?);
@@ -114,8 +119,10 @@ impl Snapshot {
         for SnapshotField { field, .. } in fields {
             append(&mut bytes, &planes::compress(&field.radius_squared));
         }
-        if !emission_guide.is_empty() {
-            append(&mut bytes, &planes::compress(emission_guide));
+        for values in [&guides.emission, &guides.visibility] {
+            if !values.is_empty() {
+                append(&mut bytes, &planes::compress(values));
+            }
         }
         Ok(bytes)
     }
@@ -127,7 +134,7 @@ impl Snapshot {
     pub fn decode(bytes: &[u8]) -> Result<Self, BadSnapshot> {
         let mut rest = bytes.strip_prefix(MAGIC).ok_or_else(|| BadSnapshot("it is of another version".to_owned()))?;
         let header: Header = serde_json::from_slice(take(&mut rest)?).map_err(BadSnapshot::because)?;
-        let Header { plan, merged, next_look, error, fields, guide_values } = header;
+        let Header { plan, merged, next_look, error, fields, guide_values, visibility_values } = header;
         let estimate = estimate::snapshot::decode(take(&mut rest)?).map_err(BadSnapshot::because)?;
         let regions = estimate.progress.iter().map(|progress| progress.region);
         if (estimate.width, estimate.height) != (plan.width, plan.height) || !regions.eq(plan.regions.iter().copied()) {
@@ -141,11 +148,12 @@ impl Snapshot {
             Ok(SnapshotField { key, field: RadiusField { radius_squared, base_pass, typical_radius_squared } })
         };
         let fields = fields.into_iter().map(field).collect::<Result<Vec<SnapshotField>, BadSnapshot>>()?;
-        let emission_guide = match guide_values {
-            0 => Vec::new(),
-            count => planes::decompress(take(&mut rest)?, count).map_err(BadSnapshot::because)?,
+        let mut values = |count: usize| match count {
+            0 => Ok(Vec::new()),
+            count => planes::decompress(take(&mut rest)?, count).map_err(BadSnapshot::because),
         };
-        Ok(Self { plan, estimate, merged, next_look, error, fields, emission_guide })
+        let guides = Guides { emission: values(guide_values)?, visibility: values(visibility_values)? };
+        Ok(Self { plan, estimate, merged, next_look, error, fields, guides })
     }
 }
 
@@ -179,8 +187,8 @@ mod tests {
         let estimate = Estimate::new(70, 50, &plan.regions, declaration, &first).expect("they fit");
         let field = estimate.radius_field(plan.regions[0]);
         let fields = vec![SnapshotField { key: FieldKey { epoch: 2, region: 0 }, field }];
-        let emission_guide = vec![-1.0, 0.25, 0.75];
-        let snapshot = Snapshot { plan, estimate, merged: 17, next_look: 20, error: None, fields, emission_guide };
+        let guides = Guides { emission: vec![-1.0, 0.25, 0.75], visibility: vec![0.5, 1.0] };
+        let snapshot = Snapshot { plan, estimate, merged: 17, next_look: 20, error: None, fields, guides };
         let bytes = snapshot.encode().expect("plain data");
         assert_eq!(Snapshot::decode(&bytes).as_ref(), Ok(&snapshot));
         for length in (0..bytes.len()).step_by(997) {

@@ -23,6 +23,8 @@ pub enum Stream {
     PilotPhoton = 3,
     /// Camera rays to the first surface; the path index is the pixel's.
     FirstSurface = 4,
+    /// Camera paths at which it is tried which lights are seen.
+    Visibility = 5,
 }
 
 /// The numbers of a pass.

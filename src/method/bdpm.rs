@@ -20,12 +20,13 @@ use std::sync::Arc;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings, Paths, photon_techniques};
 use super::parameter_values::{
-    All, Auto, Depth, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch, Weights, bounded,
+    All, Auto, Depth, Emission, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch, Weights,
+    bounded,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{
     CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, SHOW, STRATEGY,
-    SUBPATH_RR_DEPTH, WEIGHTS,
+    SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
 use crate::scene::Scene;
@@ -67,6 +68,7 @@ parameters! {
         heuristic: Heuristic = HEURISTIC,
         strategy: All<Subpaths> = STRATEGY,
         show: Show = SHOW,
+        emission: Emission = SUBPATH_EMISSION,
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
         length: All<PathLength> = LENGTH,
@@ -82,7 +84,13 @@ impl Parameters {
         let paths = Paths { max_depth, rr_depth, length, strategy, show };
         let (first_radius, kernel, neighbors) = (self.initial_radius.meters(), self.kernel, self.neighbors.get());
         let merging = MergeSettings { first_radius, kernel, neighbors };
-        PassSettings { heuristic: self.heuristic, measure, merging, ..PassSettings::new(techniques, &paths) }
+        PassSettings {
+            heuristic: self.heuristic,
+            measure,
+            merging,
+            emission: self.emission,
+            ..PassSettings::new(techniques, &paths)
+        }
     }
 }
 
@@ -101,6 +109,10 @@ impl ParameterizedMethod for Parameters {
 
     fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
         Some(self.settings().strategies(longest))
+    }
+
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

@@ -17,9 +17,14 @@
 use std::sync::Arc;
 
 use super::bidirectional_settings::{PassSettings, Paths};
-use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, Subpaths, one_per_pixel};
+use super::parameter_values::{
+    All, Depth, Emission, LightPicks, Passes, PathLength, RouletteDepth, Subpaths, one_per_pixel,
+};
 use super::parameters::{ParameterSet, parameters, read_method};
-use super::shared_parameters::{HEURISTIC, LENGTH, MAX_DEPTH, PASSES, SHOW, STRATEGY, SUBPATH_RR_DEPTH};
+use super::shared_parameters::{
+    HEURISTIC, LENGTH, LIGHT_PICKS, MAX_DEPTH, PASSES, SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
+};
+use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
@@ -43,6 +48,8 @@ parameters! {
         heuristic: Heuristic = HEURISTIC,
         strategy: All<Subpaths> = STRATEGY,
         show: Show = SHOW,
+        light_picks: LightPicks = LIGHT_PICKS,
+        emission: Emission = SUBPATH_EMISSION,
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
         length: All<PathLength> = LENGTH,
@@ -55,7 +62,11 @@ impl Parameters {
     fn settings(&self) -> PassSettings {
         let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
         let paths = Paths { max_depth, rr_depth, length, strategy, show };
-        PassSettings { heuristic: self.heuristic, ..PassSettings::new(Techniques::ALL_CONNECTIONS, &paths) }
+        PassSettings {
+            heuristic: self.heuristic,
+            emission: self.emission,
+            ..PassSettings::new(Techniques::ALL_CONNECTIONS, &paths)
+        }
     }
 }
 
@@ -81,6 +92,14 @@ impl ParameterizedMethod for Parameters {
 
     fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
         Some(self.settings().strategies(longest))
+    }
+
+    fn light_sampling(&self) -> Option<LightSampling> {
+        Some(self.settings().light_sampling(self.light_picks))
+    }
+
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

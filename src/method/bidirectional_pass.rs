@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings};
-use super::parameter_values::{Auto, DirectLight, Emission};
+use super::parameter_values::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::pilot::CameraPaths;
 use super::{Pass, PilotPass, PreparedMethod};
@@ -24,6 +24,7 @@ use crate::transport::bidirectional::{
     CameraWalk, LightWalk, MergePhoton, MergeRecord, Merging, StoredVertex, Techniques, Vertex, Weighting, connect,
     direct_light, merge, to_camera,
 };
+use crate::transport::emission_learning::GuideParts;
 use crate::transport::first_radius::FIRST_GATHER_PHOTONS;
 use crate::transport::photon_map::{Gathered, Grid, Nearest, PhotonChunk, PhotonMap};
 
@@ -88,7 +89,8 @@ impl BidirectionalPasses {
             follows_narrow: true,
             photons_per_pass: light_paths,
             first_radius: settings.merging.first_radius,
-            emission: Emission::Power,
+            emission: settings.emission,
+            guide_parts: GuideParts::Lights,
         };
         let weighting = settings.weighting(light_paths);
         Self { scene, seed, settings, weighting, light_paths, pilot }
@@ -96,6 +98,11 @@ impl BidirectionalPasses {
 
     fn uses(&self, techniques: Techniques) -> bool {
         self.settings.uses(techniques)
+    }
+
+    /// Whether there are light subpaths.
+    fn traces_light(&self) -> bool {
+        self.uses(Techniques::CAMERA) || self.uses(Techniques::CONNECT) || self.uses(Techniques::MERGE)
     }
 
     fn camera_walk<'a>(&'a self, random: &'a PassRandom) -> CameraWalk<'a> {
@@ -267,11 +274,10 @@ fn pixels_of(region: Region, width: u32) -> Range<u32> {
 impl PreparedMethod for BidirectionalPasses {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
         let mut total = Counters::default();
-        let paths =
-            match self.uses(Techniques::CAMERA) || self.uses(Techniques::CONNECT) || self.uses(Techniques::MERGE) {
-                true => self.light_paths(pass, pixels, &mut total, cancel)?,
-                false => LightPaths::default(),
-            };
+        let paths = match self.traces_light() {
+            true => self.light_paths(pass, pixels, &mut total, cancel)?,
+            false => LightPaths::default(),
+        };
         let random = PassRandom::of_pixels(self.seed, Stream::Camera, pass.index);
         let walk = self.camera_walk(&random);
         let width = self.scene.width as usize;
@@ -304,13 +310,17 @@ impl PreparedMethod for BidirectionalPasses {
                 };
                 radii.iter_mut().for_each(|radius_squared| *radius_squared *= share);
             }
-            return Some(PilotPass::with_radii(radii, counters));
+            return Some(PilotPass::with_radii(radii, counters).and_guide(found.guide));
         }
+        let guide = match self.pilot.may_guide() && self.traces_light() {
+            true => self.pilot.pilot(&CameraPaths::new(&self.pilot), cancel)?.guide,
+            false => None,
+        };
         // There is no radius to find; a pass tells what passes cost.
         let region = Region { row_start: 0, row_end: self.scene.height };
         let pass =
             Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0, guide: None };
         let mut nobody_looks = vec![PixelTally::default(); self.scene.pixel_count()];
-        Some(PilotPass::without_fields(self.trace_pass(&pass, &mut nobody_looks, cancel)?))
+        Some(PilotPass::without_fields(self.trace_pass(&pass, &mut nobody_looks, cancel)?).and_guide(guide))
     }
 }

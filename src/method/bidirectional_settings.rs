@@ -3,12 +3,16 @@
 use std::sync::Arc;
 
 use super::bidirectional_pass::BidirectionalPasses;
-use super::parameter_values::{All, Auto, Depth, PathLength, RouletteDepth, Subpaths, Switch, limits};
+use super::parameter_values::{
+    All, Auto, Depth, Emission, LightPicks, PathLength, RouletteDepth, Subpaths, Switch, limits,
+};
+use super::visibility_pilot::LightSampling;
 use super::{PreparedMethod, Strategy};
 use crate::scene::Scene;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
 use crate::transport::kernel::Kernel;
+use crate::transport::light_trials::SamplingVertices;
 
 /// What passes of these methods do.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +29,8 @@ pub struct PassSettings {
     pub selection: Selection,
     /// How vertices are merged, where they are.
     pub merging: MergeSettings,
+    /// How lights are picked for light subpaths.
+    pub emission: Emission,
 }
 
 /// How vertices are merged.
@@ -70,7 +76,8 @@ impl PassSettings {
         let strategy = paths.strategy.only().map(|Subpaths { light, camera }| [light, camera]);
         let selection = Selection { length, strategy, show: paths.show };
         let (heuristic, measure) = (Heuristic::Balance, Measure::Area);
-        Self { techniques, heuristic, measure, limits, selection, merging: MergeSettings::discs(Auto::Auto) }
+        let merging = MergeSettings::discs(Auto::Auto);
+        Self { techniques, heuristic, measure, limits, selection, merging, emission: Emission::Power }
     }
 
     /// Whether any of `techniques` is in use.
@@ -87,6 +94,11 @@ impl PassSettings {
     /// Makes passes of a scene ready.
     pub fn prepare(self, scene: Arc<Scene>, light_paths: u32, seed: u64) -> Box<dyn PreparedMethod> {
         Box::new(BidirectionalPasses::new(scene, self, light_paths, seed))
+    }
+
+    /// How lights are sampled: at all vertices of camera subpaths.
+    pub fn light_sampling(&self, picks: LightPicks) -> LightSampling {
+        LightSampling { picks, vertices: SamplingVertices::All, limits: self.limits }
     }
 
     /// The strategies of the paths that count, else of all from 2 to `longest` segments.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::parameter_values::LightPicks;
 use super::parameters::WrittenOut;
+use super::visibility_pilot::LightSampling;
 use super::{Bias, MethodChoice, MethodEntry, MethodError, PreparedMethod, SceneTraits, Strategy, entry};
 use crate::estimate::{Declaration, RadiusRule};
 use crate::scene::Scene;
@@ -24,6 +26,11 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
     /// Whether its pilot may find a guide for photons.
     fn may_guide_photons(&self) -> bool {
         false
+    }
+
+    /// How it samples lights, if it does.
+    fn light_sampling(&self) -> Option<LightSampling> {
+        None
     }
 
     /// What becomes of its bias, where the table says `usual` of the method.
@@ -98,9 +105,15 @@ impl CheckedMethod {
         Ok(Self { choice, photons_per_pass, passes, entry, parameters: parameters.into() })
     }
 
-    /// Whether its pilot may find a guide for photons, which its passes then need.
-    pub fn may_guide_photons(&self) -> bool {
-        self.parameters.may_guide_photons()
+    /// Whether its pilot may find what its passes then need: a guide for photons, or which lights are seen where.
+    pub fn may_be_guided(&self) -> bool {
+        let samples = |sampling: LightSampling| sampling.picks != LightPicks::Importance;
+        self.parameters.may_guide_photons() || self.parameters.light_sampling().is_some_and(samples)
+    }
+
+    /// How it samples lights, if it does.
+    pub fn light_sampling(&self) -> Option<LightSampling> {
+        self.parameters.light_sampling()
     }
 }
 

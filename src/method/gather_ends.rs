@@ -11,6 +11,7 @@ use crate::math::random::{PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
+use crate::transport::emission_learning::GuideParts;
 use crate::transport::{Counters, Limits, shading};
 
 /// One new camera path per pixel, with one gather ray.
@@ -46,6 +47,7 @@ impl GatherEnds<'_> {
             photons_per_pass,
             first_radius: Auto::Auto,
             emission,
+            guide_parts: GuideParts::Cells,
         };
         Some(passes.pilot(self, cancel)?.guide)
     }

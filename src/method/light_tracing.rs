@@ -13,9 +13,9 @@
 use std::sync::Arc;
 
 use super::bidirectional_settings::{PassSettings, Paths};
-use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, one_per_pixel};
+use super::parameter_values::{All, Depth, Emission, Passes, PathLength, RouletteDepth, one_per_pixel};
 use super::parameters::{ParameterSet, parameters, read_method};
-use super::shared_parameters::{LENGTH, MAX_DEPTH, PASSES, SUBPATH_RR_DEPTH};
+use super::shared_parameters::{LENGTH, MAX_DEPTH, PASSES, SUBPATH_EMISSION, SUBPATH_RR_DEPTH};
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Show, Techniques};
@@ -36,6 +36,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
 parameters! {
     /// Parameters of `light_tracing`.
     struct Parameters {
+        emission: Emission = SUBPATH_EMISSION,
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
         length: All<PathLength> = LENGTH,
@@ -48,7 +49,7 @@ impl Parameters {
     fn settings(&self) -> PassSettings {
         let Self { max_depth, rr_depth, length, .. } = *self;
         let paths = Paths { max_depth, rr_depth, length, strategy: All::All, show: Show::Radiance };
-        PassSettings::new(Techniques::CAMERA, &paths)
+        PassSettings { emission: self.emission, ..PassSettings::new(Techniques::CAMERA, &paths) }
     }
 }
 
@@ -67,6 +68,10 @@ impl ParameterizedMethod for Parameters {
 
     fn blind_to(&self, traits: SceneTraits) -> Option<&'static str> {
         traits.specular.then_some("what is seen in mirrors or through glass, which stays black; sppm, vcm and bdpt do")
+    }
+
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

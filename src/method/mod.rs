@@ -19,6 +19,7 @@ pub mod ppm;
 pub mod shared_parameters;
 pub mod sppm;
 pub mod vcm;
+pub mod visibility_pilot;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -33,6 +34,7 @@ use crate::scene::material::Lobes;
 use crate::transport::Counters;
 
 pub use crate::scene::light::emission_guide::MOST_VALUES as MOST_GUIDE_VALUES;
+pub use crate::scene::light::visibility::MOST_VALUES as MOST_VISIBILITY_VALUES;
 
 pub use checked_method::{CheckedMethod, Gathering, ParameterizedMethod};
 pub use parameters::ParameterHelp;
@@ -151,6 +153,10 @@ pub const FIRST_RADIUS_SQUARED: &str = "first_radius_squared";
 
 /// The name of the pilot's field that says where photons start, an [`EmissionGuide`] as numbers; absent for emission by power.
 pub const EMISSION_GUIDE: &str = "emission_guide";
+
+/// The name of the pilot's field that says which lights are seen where, a [`LightVisibility`](crate::scene::light::LightVisibility) as
+/// numbers; absent where picks do without.
+pub const LIGHT_VISIBILITY: &str = "light_visibility";
 
 /// Numbers that a pilot finds, by name.
 #[derive(Clone, Debug, PartialEq)]

@@ -229,6 +229,22 @@ impl ParameterValue for DirectLight {
     const RANGE: &'static str = "sample, photons";
 }
 
+/// How a light is picked where lights are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LightPicks {
+    /// By visible importance where the pilot finds that it helps.
+    Auto,
+    /// By importance, whatever is in between.
+    Importance,
+    /// By importance and what the pilot learns of occlusion.
+    Visible,
+}
+
+impl ParameterValue for LightPicks {
+    const RANGE: &'static str = "auto, importance, visible";
+}
+
 /// Where on lights photons start, and in which directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

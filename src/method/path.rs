@@ -16,9 +16,10 @@
 use std::sync::Arc;
 
 use super::bidirectional_settings::{PassSettings, Paths};
-use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, Switch, one_per_pixel};
+use super::parameter_values::{All, Depth, LightPicks, Passes, PathLength, RouletteDepth, Switch, one_per_pixel};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
-use super::shared_parameters::{HEURISTIC, LENGTH, MAX_DEPTH, PASSES, SUBPATH_RR_DEPTH};
+use super::shared_parameters::{HEURISTIC, LENGTH, LIGHT_PICKS, MAX_DEPTH, PASSES, SUBPATH_RR_DEPTH};
+use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
@@ -44,6 +45,7 @@ parameters! {
         material_sampling: Switch =
             parameter("whether lights that the path hits by chance count", Switch::On, "on"),
         heuristic: Heuristic = HEURISTIC,
+        light_picks: LightPicks = LIGHT_PICKS,
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
         length: All<PathLength> = LENGTH,
@@ -86,6 +88,10 @@ impl ParameterizedMethod for Parameters {
             ),
             _ => None,
         }
+    }
+
+    fn light_sampling(&self) -> Option<LightSampling> {
+        self.light_sampling.is_on().then(|| self.settings().light_sampling(self.light_picks))
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

@@ -18,12 +18,13 @@ use std::sync::Arc;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings, Paths, photon_techniques};
 use super::parameter_values::{
-    All, Auto, Depth, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch, Weights,
+    All, Auto, Depth, Emission, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch,
+    Weights,
 };
 use super::parameters::{ParameterSet, parameters, read_method};
 use super::shared_parameters::{
     ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE,
-    SHOW, STRATEGY, SUBPATH_RR_DEPTH, WEIGHTS,
+    SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
 use crate::estimate::RadiusRule;
@@ -56,6 +57,7 @@ parameters! {
         heuristic: Heuristic = HEURISTIC,
         strategy: All<Subpaths> = STRATEGY,
         show: Show = SHOW,
+        emission: Emission = SUBPATH_EMISSION,
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
         length: All<PathLength> = LENGTH,
@@ -70,7 +72,13 @@ impl Parameters {
         let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
         let paths = Paths { max_depth, rr_depth, length, strategy, show };
         let merging = MergeSettings::discs(self.initial_radius.meters());
-        PassSettings { heuristic: self.heuristic, measure, merging, ..PassSettings::new(techniques, &paths) }
+        PassSettings {
+            heuristic: self.heuristic,
+            measure,
+            merging,
+            emission: self.emission,
+            ..PassSettings::new(techniques, &paths)
+        }
     }
 }
 
@@ -89,6 +97,10 @@ impl ParameterizedMethod for Parameters {
 
     fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
         Some(self.settings().strategies(longest))
+    }
+
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

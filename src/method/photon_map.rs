@@ -35,32 +35,34 @@
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
 //! falls as √(k/photons_per_pass). Memory: 32 bytes per stored photon, and again for each caustic one.
 
+mod local_pass;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
+use local_pass::LocalPass;
+
 use super::gather_ends::GatherEnds;
-use super::parameter_values::{Auto, Depth, Emission, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits};
+use super::parameter_values::{
+    Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits,
+};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::shared_parameters::{EMISSION, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
+use super::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
+use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
-use crate::math::Rgb;
-use crate::math::random::{PassRandom, PathRandom, Stream, dimension, spread};
+use crate::math::random::{PassRandom, Stream};
 use crate::scene::Scene;
 use crate::scene::light::emission_guide::EmissionGuide;
-use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::density_estimate::DensityEstimate;
-use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{
-    self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, Photon, PhotonLookup, PhotonMap,
-};
+use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, Photon, PhotonMap};
 use crate::transport::photon_tracing::PhotonSettings;
-use crate::transport::{Counters, Limits, shading};
+use crate::transport::{Counters, Limits};
 
 /// What a look-up costs, in rays, for the pilot's count.
 const RAYS_PER_LOOKUP: u64 = 6;
@@ -108,6 +110,7 @@ parameters! {
             "auto: half the area that k photons take on average",
         ),
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
+        light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
         final_gather: GatherRays = parameter(
             "gather rays per camera path; 0 looks at the global map directly",
@@ -136,6 +139,10 @@ impl ParameterizedMethod for Parameters {
 
     fn may_guide_photons(&self) -> bool {
         self.emission != Emission::Power
+    }
+
+    fn light_sampling(&self) -> Option<LightSampling> {
+        Some(LightSampling::gathering(self.light_picks, limits(self.max_depth, self.rr_depth)))
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
@@ -261,105 +268,6 @@ impl TwoPasses {
         let counters: Vec<Counters> = pixels.par_chunks_mut(width).enumerate().map(trace_row).collect();
         counters.into_iter().for_each(|counters| total += counters);
         (!cancel.load(Ordering::Relaxed)).then_some(total)
-    }
-}
-
-/// Second pass: what a thread needs to look at pixels.
-struct LocalPass<'a> {
-    method: &'a TwoPasses,
-    maps: &'a Maps,
-    found: Nearest,
-}
-
-impl LocalPass<'_> {
-    /// Radiance that a camera path sees.
-    fn pixel(&mut self, pixel: [u32; 2], random: &PathRandom, counters: &mut Counters) -> Rgb {
-        let TwoPasses { scene, limits, .. } = self.method;
-        let ray = scene.camera_ray(pixel, random.block(dimension::CAMERA));
-        let mut seen = Rgb::ZERO;
-        trace_camera_path(
-            scene,
-            CameraWalk::new(scene, ray, true),
-            random,
-            limits,
-            &mut seen,
-            counters,
-            |at, seen, counters| {
-                *seen += self.direct_and_caustic(at, random, counters);
-                if !at.goes_on {
-                    *seen += self.indirect(at, random, counters);
-                }
-            },
-        );
-        seen
-    }
-
-    /// Direct light and caustics at a point, as the camera sees them.
-    fn direct_and_caustic(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
-        let TwoPasses { scene, limits, caustic, .. } = self.method;
-        let mut reflected = self.look_up(caustic, &self.maps.caustic, at);
-        if limits.allows(at.segments + 1) {
-            reflected += direct_light(scene, at, random, counters);
-        }
-        at.throughput * reflected
-    }
-
-    /// Soft indirect light at a wide lobe, as the camera sees it.
-    fn indirect(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
-        let rays = self.method.gather_rays;
-        if rays == 0 {
-            return at.throughput * self.look_up(&self.method.global, &self.maps.global, at);
-        }
-        let [shift_x, shift_y, ..] = random.block(dimension::scattering(at.segments));
-        let sum: Rgb = (0..rays)
-            .map(|ray| {
-                let random = random.branch(ray);
-                let [_, _, lobe, roulette] = random.block(dimension::scattering(at.segments));
-                let [x, y] = spread([shift_x, shift_y], ray, rays);
-                self.gather_ray(at, [x, y, lobe, roulette], &random, counters)
-            })
-            .sum();
-        sum / rays as f32
-    }
-
-    /// Indirect light along one ray that is sampled at `from` with `u`, as the camera sees it.
-    fn gather_ray(&mut self, from: &GatherPoint, u: [f32; 4], random: &PathRandom, counters: &mut Counters) -> Rgb {
-        let TwoPasses { scene, limits, global, .. } = self.method;
-        let material = scene.material(from.hit.shape);
-        let Some(scattering) = shading::scatter(&from.hit, material, &from.view(), [u[0], u[1], u[2]]) else {
-            return Rgb::ZERO;
-        };
-        let mut walk = CameraWalk::gathering(scene, from, &scattering);
-        if !walk.walk.survives(limits, u[3]) {
-            return Rgb::ZERO;
-        }
-        let mut seen = Rgb::ZERO;
-        trace_camera_path(scene, walk, random, limits, &mut seen, counters, |at, seen, counters| {
-            let is_near = at.hit.position.distance_squared(from.hit.position) < global.estimate.largest_radius_squared;
-            if at.goes_on || is_near {
-                *seen += self.direct_and_caustic(at, random, counters);
-            }
-            if !at.goes_on {
-                *seen += match is_near {
-                    true => {
-                        let u = random.block(dimension::scattering(at.segments));
-                        self.gather_ray(at, u, random, counters)
-                    }
-                    false => at.throughput * self.look_up(global, &self.maps.global, at),
-                };
-            }
-        });
-        seen
-    }
-
-    /// Radiance that the point's lobes reflect of the photons in `map`.
-    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap, at: &GatherPoint) -> Rgb {
-        let TwoPasses { scene, limits, photons_per_pass, .. } = self.method;
-        if map.is_empty() {
-            return Rgb::ZERO;
-        }
-        let most_segments = limits.most_photon_segments(at.segments);
-        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found) / *photons_per_pass as f32
     }
 }
 

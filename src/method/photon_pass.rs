@@ -12,6 +12,7 @@ use crate::scene::Scene;
 use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
+use crate::transport::emission_learning::GuideParts;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
@@ -41,6 +42,8 @@ pub struct PhotonPasses {
     pub first_radius: Auto<f32>,
     /// Where photons start.
     pub emission: Emission,
+    /// How finely they may be guided.
+    pub guide_parts: GuideParts,
 }
 
 /// Which photons to trace.

@@ -16,7 +16,7 @@ use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::Counters;
 use crate::transport::camera_walk::GatherPoint;
-use crate::transport::emission_learning::{EmittedPath, Lesson, learn};
+use crate::transport::emission_learning::{EmittedPath, GuideParts, Lesson, learn};
 use crate::transport::light_path::emission_point;
 use crate::transport::photon_map::{PathPhoton, PhotonLookup, PhotonMap};
 use crate::transport::receiver::Receiver;
@@ -107,13 +107,19 @@ impl PhotonPasses {
     /// First radii where the pixels of `view` gather, and a guide where it is wanted and worthwhile.
     pub fn pilot(&self, view: &impl PilotView, cancel: &AtomicBool) -> Option<PilotFindings> {
         let Round { map, radius_squared, counters } = self.round(view, PILOT_PASS, None, None, cancel)?;
-        if self.emission != Emission::Power {
+        if self.may_guide() {
             let first = Round { map, radius_squared: radius_squared.clone(), counters };
             if let Some(found) = self.guided(view, first, cancel)? {
                 return Some(found);
             }
         }
         Some(PilotFindings { radius_squared, guide: None, counters })
+    }
+
+    /// Whether a guide is wanted and has anything to choose.
+    pub fn may_guide(&self) -> bool {
+        let chooses = self.guide_parts == GuideParts::Cells || self.scene.lights.lights().len() > 1;
+        self.emission != Emission::Power && chooses
     }
 
     /// Goes on from photons that were emitted by power. The inner `None`: no guide helps.
@@ -179,7 +185,7 @@ impl PhotonPasses {
             })
             .collect();
         let lights = &self.scene.lights;
-        learn(&paths, lights.lights().len(), |light| lights.emission_pick(light))
+        learn(&paths, self.guide_parts, lights.lights().len(), |light| lights.emission_pick(light))
     }
 
     /// What each photon path is to the pixels, see [`EmittedPath::worth`], in units.

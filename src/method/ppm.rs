@@ -22,14 +22,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::parameter_values::{
-    Auto, Depth, DirectLight, Emission, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits,
+    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, bounded,
+    limits,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, PhotonPasses, PhotonsOf, add_to_tally};
 use super::pilot::PilotView;
 use super::shared_parameters::{
-    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
+    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
 };
+use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
@@ -39,6 +41,7 @@ use crate::scene::geometry::ray::{largest, position_error};
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
+use crate::transport::emission_learning::GuideParts;
 use crate::transport::hit_point::HitPoint;
 use crate::transport::photon_map::{Gathered, Photon, PhotonMap};
 use crate::transport::shading;
@@ -76,6 +79,7 @@ parameters! {
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,
         direct: DirectLight = DIRECT,
+        light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
         passes: Passes = PASSES,
         samples_per_pixel: Samples =
@@ -100,6 +104,11 @@ impl ParameterizedMethod for Parameters {
         self.emission != Emission::Power
     }
 
+    fn light_sampling(&self) -> Option<LightSampling> {
+        let sampling = LightSampling::gathering(self.light_picks, limits(self.max_depth, self.rr_depth));
+        (self.direct == DirectLight::Sample).then_some(sampling)
+    }
+
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let (low, high) = scene.geometry.bounds();
         let error = position_error(largest(low).max(largest(high)));
@@ -112,6 +121,7 @@ impl ParameterizedMethod for Parameters {
             photons_per_pass,
             first_radius: self.initial_radius.meters(),
             emission: self.emission,
+            guide_parts: GuideParts::Cells,
         };
         Box::new(Ppm {
             passes,

@@ -1,8 +1,8 @@
 //! Parameters that several methods have.
 
 use super::parameter_values::{
-    All, Auto, Depth, DirectLight, Emission, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth,
-    Subpaths, Switch, Weights,
+    All, Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PathLength, PhotonCount, Radius,
+    RouletteDepth, Subpaths, Switch, Weights,
 };
 use super::parameters::{Parameter, parameter};
 use crate::estimate::RadiusRule;
@@ -34,12 +34,19 @@ pub const RR_DEPTH: Parameter<RouletteDepth> =
 /// For `sppm` and `ppm`.
 pub const GATHER_RADIUS: Parameter<Auto<Radius>> =
     parameter("first gather radius, m", Auto::Auto, "auto: per pixel by a pilot pass");
+/// For methods that sample lights.
+pub const LIGHT_PICKS: Parameter<LightPicks> = parameter(
+    "how a light is picked where lights are sampled: by importance, an estimate without occlusion; visible, by what a pilot \
+     learns of occlusion, too; auto: visible where the pilot finds that it helps",
+    LightPicks::Auto,
+    "auto",
+);
 /// For `sppm`, `ppm` and `photon_map`.
 pub const EMISSION: Parameter<Emission> = parameter(
     "where photons start: by power; guided, mostly where they reach what pixels see, weighted for it; auto: guided where the \
      pilot finds that it helps",
-    Emission::Power,
-    "power",
+    Emission::Auto,
+    "auto",
 );
 /// For `sppm` and `ppm`.
 pub const DIRECT: Parameter<DirectLight> = parameter("how direct light is found", DirectLight::Sample, "sample");
@@ -56,6 +63,13 @@ pub const MERGING_RADIUS: Parameter<Auto<Radius>> =
 /// For methods that make paths from two ends.
 pub const SUBPATH_RR_DEPTH: Parameter<RouletteDepth> =
     parameter("segments from which Russian roulette may end a subpath", RouletteDepth::new(3).expect("in range"), "3");
+/// For methods with light subpaths.
+pub const SUBPATH_EMISSION: Parameter<Emission> = parameter(
+    "how a light is picked for light subpaths and photons: by power; guided, mostly where they reach what pixels see, weighted for \
+     it; auto: guided where the pilot finds that it helps",
+    Emission::Auto,
+    "auto",
+);
 /// For methods that make paths from two ends.
 pub const LENGTH: Parameter<All<PathLength>> = parameter("only paths of so many segments", All::All, "all");
 /// For methods with more than one technique.

@@ -21,19 +21,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::parameter_values::{
-    Auto, Depth, DirectLight, Emission, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
+    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
 };
 use super::parameters::{ParameterSet, parameters, read_method};
 use super::photon_pass::{PhotonPasses, PhotonsOf, add_to_tally};
 use super::pilot::CameraPaths;
 use super::shared_parameters::{
-    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
+    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
 };
+use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, RadiusRule};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
+use crate::transport::emission_learning::GuideParts;
 use crate::transport::photon_map::{Gathered, Photon, PhotonMap};
 
 /// The row of the table.
@@ -59,6 +61,7 @@ parameters! {
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,
         direct: DirectLight = DIRECT,
+        light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
         passes: Passes = PASSES,
     }
@@ -81,6 +84,11 @@ impl ParameterizedMethod for Parameters {
         self.emission != Emission::Power
     }
 
+    fn light_sampling(&self) -> Option<LightSampling> {
+        let sampling = LightSampling::gathering(self.light_picks, limits(self.max_depth, self.rr_depth));
+        (self.direct == DirectLight::Sample).then_some(sampling)
+    }
+
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let passes = PhotonPasses {
             scene,
@@ -91,6 +99,7 @@ impl ParameterizedMethod for Parameters {
             photons_per_pass,
             first_radius: self.initial_radius.meters(),
             emission: self.emission,
+            guide_parts: GuideParts::Cells,
         };
         Box::new(Sppm { passes })
     }

@@ -16,13 +16,15 @@ use std::sync::Arc;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings, Paths};
 use super::parameter_values::{
-    All, Auto, Depth, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch,
+    All, Auto, Depth, Emission, LightPicks, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths,
+    Switch,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{
-    ALPHA, HEURISTIC, LENGTH, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE, SHOW, STRATEGY,
-    SUBPATH_RR_DEPTH,
+    ALPHA, HEURISTIC, LENGTH, LIGHT_PICKS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE, SHOW,
+    STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
 };
+use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
 use crate::estimate::RadiusRule;
 use crate::scene::Scene;
@@ -53,6 +55,8 @@ parameters! {
         heuristic: Heuristic = HEURISTIC,
         strategy: All<Subpaths> = STRATEGY,
         show: Show = SHOW,
+        light_picks: LightPicks = LIGHT_PICKS,
+        emission: Emission = SUBPATH_EMISSION,
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
         length: All<PathLength> = LENGTH,
@@ -71,7 +75,12 @@ impl Parameters {
         let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
         let paths = Paths { max_depth, rr_depth, length, strategy, show };
         let merging = MergeSettings::discs(self.initial_radius.meters());
-        PassSettings { heuristic: self.heuristic, merging, ..PassSettings::new(techniques, &paths) }
+        PassSettings {
+            heuristic: self.heuristic,
+            merging,
+            emission: self.emission,
+            ..PassSettings::new(techniques, &paths)
+        }
     }
 }
 
@@ -112,6 +121,14 @@ impl ParameterizedMethod for Parameters {
 
     fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
         Some(self.settings().strategies(longest))
+    }
+
+    fn light_sampling(&self) -> Option<LightSampling> {
+        self.connect.is_on().then(|| self.settings().light_sampling(self.light_picks))
+    }
+
+    fn may_guide_photons(&self) -> bool {
+        self.emission != Emission::Power
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

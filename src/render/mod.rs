@@ -8,17 +8,42 @@ use std::sync::atomic::AtomicBool;
 use crate::estimate::declaration::{NON_FINITE, PHOTONS_EMITTED, PHOTONS_STORED, RAYS};
 use crate::estimate::{Declaration, PixelTally, RadiusField, Shard, Tally};
 use crate::method::{
-    self, CheckedMethod, EMISSION_GUIDE, FIRST_RADIUS_SQUARED, MethodError, Pass, PilotField, PreparedMethod,
+    self, CheckedMethod, EMISSION_GUIDE, FIRST_RADIUS_SQUARED, LIGHT_VISIBILITY, MethodError, Pass, PilotField,
+    PreparedMethod,
 };
 use crate::scene::Scene;
-use crate::scene::light::emission_guide::EmissionGuide;
-pub use crate::scene::light::emission_guide::GuideError;
+use crate::scene::light::emission_guide::{self, EmissionGuide};
+use crate::scene::light::visibility::VisibilityError;
+use crate::scene::light::{LightTable, LightVisibility};
 use crate::transport::Counters;
 
 /// The caller asked to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("cancelled")]
 pub struct Cancelled;
+
+/// What a pilot learnt that all passes of its job need.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Guides {
+    /// Where photons start, as numbers of an [`EmissionGuide`]; empty for emission by power.
+    pub emission: Vec<f32>,
+    /// Which lights are seen where, as numbers of a [`LightVisibility`]; empty for picks that know nothing of it.
+    pub visibility: Vec<f32>,
+}
+
+/// Guides that do not fit a scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GuideError {
+    /// Where photons start.
+    #[error(transparent)]
+    Emission(#[from] emission_guide::GuideError),
+    /// Which lights are seen where.
+    #[error(transparent)]
+    Visibility(#[from] VisibilityError),
+    /// The job cannot be prepared again.
+    #[error(transparent)]
+    Method(#[from] MethodError),
+}
 
 /// What the pilot finds out before the first pass; a worker runs it like a shard.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,9 +79,10 @@ impl Pilot {
         self.field(FIRST_RADIUS_SQUARED).unwrap_or_default()
     }
 
-    /// Where photons start, as numbers of a guide; empty for emission by power.
-    pub fn emission_guide(&self) -> &[f32] {
-        self.field(EMISSION_GUIDE).unwrap_or_default()
+    /// What passes need beside radii.
+    pub fn guides(&self) -> Guides {
+        let values = |name: &str| self.field(name).unwrap_or_default().to_vec();
+        Guides { emission: values(EMISSION_GUIDE), visibility: values(LIGHT_VISIBILITY) }
     }
 
     /// See [`COST_PER_PASS`].
@@ -65,10 +91,12 @@ impl Pilot {
     }
 }
 
-/// A job ready to be traced on this machine: prepared scene, checked method, seed, and where its photons start. Every function is pure.
+/// A job ready to be traced on this machine: prepared scene, checked method, seed, and what its pilot learnt. Every function is pure.
 #[derive(Clone)]
 pub struct Renderer {
     scene: Arc<Scene>,
+    checked: CheckedMethod,
+    seed: u64,
     method: Arc<dyn PreparedMethod>,
     declaration: Arc<Declaration>,
     guide: Option<Arc<EmissionGuide>>,
@@ -78,20 +106,35 @@ impl Renderer {
     /// Prepares `method` for `scene`.
     pub fn new(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Self, MethodError> {
         let declaration = method::declaration(method);
-        Ok(Self { method: method::prepare(scene.clone(), method, seed)?.into(), scene, declaration, guide: None })
+        let prepared = method::prepare(scene.clone(), method, seed)?;
+        Ok(Self { checked: method.clone(), seed, method: prepared.into(), scene, declaration, guide: None })
     }
 
-    /// The same job with photons that start as a pilot found: see [`Pilot::emission_guide`]. Whoever traces any of a job's
+    /// The same job as its pilot found that it is best traced: see [`Pilot::guides`]. Whoever traces any of a job's
     /// passes must trace them so.
     ///
     /// # Errors
-    /// Numbers that are no guide for the scene's lights.
-    pub fn guided(&self, emission_guide: &[f32]) -> Result<Self, GuideError> {
-        let guide = match emission_guide {
-            [] => None,
-            values => Some(Arc::new(EmissionGuide::new(values, &self.scene.lights)?)),
-        };
-        Ok(Self { guide, ..self.clone() })
+    /// Numbers that do not fit the scene's lights.
+    pub fn guided(&self, guides: &Guides) -> Result<Self, GuideError> {
+        let lights = &self.scene.lights;
+        let mut picks: Option<LightTable> = None;
+        let mut guide = None;
+        if !guides.visibility.is_empty() {
+            picks = Some(lights.with_visibility(LightVisibility::new(&guides.visibility, lights)?));
+        }
+        if !guides.emission.is_empty() {
+            let found = EmissionGuide::new(&guides.emission, lights)?;
+            match found.picks_lights_alone() {
+                true => {
+                    let probabilities: Vec<f64> = found.probabilities().collect();
+                    picks = picks.as_ref().unwrap_or(lights).with_emission_picks(&probabilities);
+                }
+                false => guide = Some(Arc::new(found)),
+            }
+        }
+        let Some(picks) = picks else { return Ok(Self { guide, ..self.clone() }) };
+        let scene = Arc::new(self.scene.with_lights(picks));
+        Ok(Self { guide, ..Self::new(scene, &self.checked, self.seed)? })
     }
 
     /// What its tallies hold.
@@ -99,9 +142,19 @@ impl Renderer {
         &self.declaration
     }
 
-    /// Finds first radii and costs, on the calling rayon pool.
+    /// Finds which lights are seen where, where photons should start, first radii and costs, on the calling rayon pool.
     pub fn pilot(&self, cancel: &AtomicBool) -> Result<Pilot, Cancelled> {
-        let found = self.method.pilot(cancel).ok_or(Cancelled)?;
+        let visibility = match self.checked.light_sampling() {
+            Some(sampling) => sampling.learn(&self.scene, self.seed, cancel).ok_or(Cancelled)?,
+            None => None,
+        };
+        let guides = Guides { visibility: visibility.unwrap_or_default(), ..Guides::default() };
+        // The numbers were read once already.
+        let seeing = self.guided(&guides).unwrap_or_else(|_| self.clone());
+        let mut found = seeing.method.pilot(cancel).ok_or(Cancelled)?;
+        if !guides.visibility.is_empty() {
+            found.fields.push(PilotField { name: LIGHT_VISIBILITY.to_owned(), values: guides.visibility });
+        }
         Ok(Pilot::new(found.fields, nominal_cost(&found.counters, self.scene.pixel_count())))
     }
 

@@ -5,6 +5,7 @@ mod instancing;
 mod lights;
 mod materials;
 mod media;
+mod shapes;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,23 +17,18 @@ use super::error::SceneError;
 use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
-use super::geometry::primitive::{Primitive, SHAPES};
-use super::geometry::surface::{NO_LIGHT, SEEN_ONLY};
-use super::geometry::transform::ToWorld;
+use super::geometry::surface::NO_LIGHT;
 use super::geometry::{Geometry, Interaction, Ray, Shape};
 use super::integrator::{self, Integrator};
 use super::light::area::Emission;
-use super::light::directional_area::is_flat;
 use super::light::{LightTable, Place};
 use super::material::{Lobes, Material};
 use super::medium::{Medium, MediumIndex};
 use super::notice::Notice;
 use super::texture::TextureReader;
-use super::unsupported::unknown_plugin;
-use crate::math::Rgb;
-use checks::{check_reach, check_view};
+use checks::check_view;
 use instancing::Instancing;
-use lights::{light_table, place_area_lights, read_area_light};
+use lights::{light_table, place_area_lights};
 use materials::KnownMaterial;
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference. A clone shares all that is
@@ -70,9 +66,6 @@ pub struct Scene {
     /// Things the user should know, one sentence each (for example a material that was approximated).
     pub notices: Vec<String>,
 }
-
-/// A parameter of Mitsuba's shapes that steers how it finds derivatives.
-const OF_DERIVATIVES: &str = "silhouette_sampling_weight";
 
 /// What is collected while the tree is read.
 struct Builder<'a> {
@@ -181,6 +174,12 @@ impl Scene {
         scene
     }
 
+    /// The same scene with other picks of its lights.
+    #[must_use]
+    pub fn with_lights(&self, lights: LightTable) -> Self {
+        Self { lights: Arc::new(lights), ..self.clone() }
+    }
+
     /// How many pixels the picture has.
     pub fn pixel_count(&self) -> usize {
         self.width as usize * self.height as usize
@@ -281,104 +280,6 @@ impl<'a> Builder<'a> {
             notices: description.notices.iter().map(ToString::to_string).collect(),
         }
     }
-
-    fn add_shape(&mut self, node: &Arc<Node>) -> Result<(), SceneError> {
-        if instancing::PLUGINS.contains(&node.plugin.as_str()) {
-            return self.add_instancing(node);
-        }
-        if node.plugin == MERGE {
-            return members(node)?.into_iter().try_for_each(|member| self.add_shape(member));
-        }
-        let (shape, geometry, emission) = self.read_shape(node)?;
-        if let Some(emission) = emission {
-            self.area_lights.push((self.shapes.len(), emission));
-        }
-        self.shapes.push((shape, geometry));
-        Ok(())
-    }
-
-    /// A shape that is made of primitives, and what it emits.
-    fn read_shape(&mut self, node: &Node) -> Result<(Shape, ShapeGeometry, Option<Emission>), SceneError> {
-        let Some((_, read)) = SHAPES.iter().find(|(name, _)| *name == node.plugin) else {
-            let known: Vec<&str> =
-                SHAPES.iter().map(|(name, _)| *name).chain(instancing::PLUGINS).chain([MERGE]).collect();
-            return Err(unknown_plugin(node, &known));
-        };
-        let mut fields = Fields::new(node);
-        let mut geometry = read(&mut fields, self.bundle)?;
-        fields.ignore(&[OF_DERIVATIVES]);
-        self.textures.set_shape(Some(std::mem::take(&mut geometry.attributes)));
-        let asked = self.textures.attributes_asked();
-        if node.plugin == "sphere" && !ToWorld::read(&mut fields)?.is_similarity() {
-            let explanation = "it stays a sphere, with the scale along x";
-            let notice = Notice::approximated(&node.location, "a sphere that is scaled unevenly", explanation);
-            self.notices.push(notice.to_string());
-        }
-        let emitter = fields.child(PluginClass::Emitter);
-        let shape = match fields.child(PluginClass::Bsdf) {
-            Some(node) => self.material(node)?,
-            None => Shape::new(self.default_material(emitter.is_some())),
-        };
-        let shape = Shape { boundary: self.boundary_of(&mut fields, &node.location)?, ..shape };
-        let emitter = emitter.map(|node| read_area_light(node, &mut self.textures)).transpose()?;
-        fields.finish()?;
-        geometry.needs_places = self.textures.attributes_asked() > asked;
-        self.textures.set_shape(None);
-        if geometry.needs_places && shape.needs_partials {
-            let problem = "a shape with a bumpmap reads a mesh_attribute";
-            return Err(SceneError::new(
-                &node.location,
-                problem,
-                "take one of them off, or make the bumpmap a normalmap",
-            ));
-        }
-        self.check_extent(node, &geometry)?;
-        let emitter = emitter.filter(|emission| emission.radiance.range()[1] != Rgb::ZERO);
-        if emitter.as_ref().is_some_and(|emission| emission.along_normal && !is_flat(&geometry.primitives)) {
-            let problem = format!("\"directionalarea\" stands in a \"{}\" that is not flat", node.plugin);
-            return Err(SceneError::new(
-                &node.location,
-                problem,
-                "use flat shapes that face one way, each with its own",
-            ));
-        }
-        let needs_uv = shape.needs_uv || emitter.as_ref().is_some_and(|emission| emission.radiance.varies());
-        let mut shape = Shape { needs_uv, ..shape };
-        if let Some(shown) = emitter.as_ref().filter(|emission| emission.seen_only) {
-            shape.light = SEEN_ONLY + self.seen_only.len() as u32;
-            self.seen_only.push(shown.clone());
-            return Ok((shape, geometry, None));
-        }
-        Ok((shape, geometry, emitter))
-    }
-
-    /// A shape must have area, in numbers that single precision can hold.
-    fn check_extent(&mut self, node: &Node, geometry: &ShapeGeometry) -> Result<(), SceneError> {
-        let area: f64 = geometry.primitives.iter().map(|primitive| f64::from(primitive.area())).sum();
-        if !(area > 0.0 && area.is_finite()) {
-            let problem = format!("shape \"{}\" has an area of {area} m²", node.plugin);
-            return Err(SceneError::new(&node.location, problem, "check its size and its to_world"));
-        }
-        check_reach(node, geometry.primitives.iter().map(Primitive::bounds))?;
-        self.notices.extend(geometry.notices.iter().map(|notice| format!("{}: {notice}", node.location)));
-        if geometry.degenerate > 0 {
-            self.notices
-                .push(format!("{}: {} triangles without area are left out", node.location, geometry.degenerate));
-        }
-        Ok(())
-    }
-}
-
-/// `merge`: Mitsuba makes one mesh of those of its members that have the same bsdf; here they stay what they are, which looks the same.
-const MERGE: &str = "merge";
-
-/// The shapes that a `merge` holds.
-fn members(merge: &Node) -> Result<Vec<&Arc<Node>>, SceneError> {
-    let mut fields = Fields::new(merge);
-    let members = fields.children(PluginClass::Shape);
-    fields.ignore(&[OF_DERIVATIVES]);
-    fields.finish()?;
-    Ok(members)
 }
 
 fn read_sensor(node: &Node) -> Result<(Film, Camera, Option<&Arc<Node>>), SceneError> {

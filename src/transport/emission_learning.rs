@@ -8,7 +8,7 @@
 use crate::scene::light::emission_guide::{BY_POWER, DIMENSIONS, EmissionPoint, GuideCell, GuideNode};
 
 /// Photons that a mean over a cell counts beside its own, with the mean around it.
-const PRIOR_PHOTONS: f64 = 4.0;
+const PRIOR_PHOTONS: f64 = 1.0;
 /// Photons, were they all worth the same, that a cell must have to be halved.
 const LEAST_PHOTONS: f64 = 16.0;
 /// The share of a light's photons that is spread evenly over all that it emits, whatever its cells say: where photons of use were missed
@@ -37,13 +37,27 @@ pub struct Lesson {
     pub photons: f64,
 }
 
+/// How finely photons are guided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuideParts {
+    /// Places and directions of each light.
+    Cells,
+    /// Lights as wholes: all that methods need to know which weigh ways of finding a path.
+    Lights,
+}
+
 /// Learns from the `paths` of a pass, in whatever order, the guide for `light_count` lights; `by_power` is the probability
 /// of a light. `None` when no path brought anything.
-pub fn learn(paths: &[EmittedPath], light_count: usize, by_power: impl Fn(u32) -> f32) -> Option<Lesson> {
+pub fn learn(
+    paths: &[EmittedPath],
+    parts: GuideParts,
+    light_count: usize,
+    by_power: impl Fn(u32) -> f32,
+) -> Option<Lesson> {
     let mut paths: Vec<EmittedPath> = paths.to_vec();
     // Stable, so that sums have the order of the paths.
     paths.sort_by_key(|path| path.start.light);
-    let mut learner = Learner { count: paths.len() as f64, nodes: Vec::new(), cells: Vec::new() };
+    let mut learner = Learner { count: paths.len() as f64, parts, nodes: Vec::new(), cells: Vec::new() };
     let whole = Moments::of(&paths);
     if !(whole.sum > 0.0 && whole.sum.is_finite()) {
         return None;
@@ -108,6 +122,7 @@ struct LearntCell {
 
 struct Learner {
     count: f64,
+    parts: GuideParts,
     nodes: Vec<GuideNode>,
     cells: Vec<LearntCell>,
 }
@@ -146,7 +161,10 @@ impl Learner {
         moments: &Moments,
     ) -> Option<(usize, [GuideCell; 2])> {
         let photons = moments.photons();
-        if photons < LEAST_PHOTONS || (paths.len() as f64) < LEAST_SHARE * self.count {
+        if self.parts == GuideParts::Lights
+            || photons < LEAST_PHOTONS
+            || (paths.len() as f64) < LEAST_SHARE * self.count
+        {
             return None;
         }
         let mut first = [Moments::default(); DIMENSIONS];

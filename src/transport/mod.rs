@@ -12,6 +12,7 @@ pub mod first_radius;
 pub mod hit_point;
 pub mod kernel;
 pub mod light_path;
+pub mod light_trials;
 pub mod limits;
 pub mod multiple_importance;
 pub mod photon_map;
@@ -19,6 +20,7 @@ pub mod photon_tracing;
 pub mod receiver;
 pub mod shading;
 pub mod visibility;
+pub mod visibility_learning;
 pub mod walk;
 
 pub use counters::Counters;

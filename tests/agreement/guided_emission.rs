@@ -1,80 +1,20 @@
 //! Photons that go where the picture looks: the same picture with less noise, and nothing where nothing is to be gained.
 
-use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use photonfarm::estimate::{Picture, Shard};
-use photonfarm::import::load_file;
 use photonfarm::math::random::{PassRandom, Stream};
 use photonfarm::scene::Scene;
 use photonfarm::scene::light::emission_guide::{BY_POWER, EmissionPoint};
-use photonfarm::transport::emission_learning::{EmittedPath, learn};
+use photonfarm::transport::emission_learning::{EmittedPath, GuideParts, learn};
 
-use crate::progressive::{Begun, Job, reference_scene};
+use crate::batches::{ERRORS, assert_same, mean_and_error, repository_scene};
+use crate::progressive::{Job, reference_scene};
 use crate::scene_text::prepare;
-
-/// With 16 batches, 4.5 standard errors are passed by chance once in 2,000 times; seeds are fixed.
-const ERRORS: f64 = 4.5;
-const BATCHES: u32 = 16;
-
-fn repository_scene(path: &str, size: &str) -> Arc<Scene> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(path);
-    let description = load_file(&path, &[("size".to_owned(), size.to_owned())]).expect("a scene of the repository");
-    Arc::new(Scene::prepare(&description).expect("a scene of the repository is good"))
-}
-
-fn mean(picture: &Picture) -> f64 {
-    picture.radiance.iter().flatten().map(|value| f64::from(*value)).sum::<f64>() / (3 * picture.radiance.len()) as f64
-}
-
-/// The mean over pixels of the relative variance of pictures.
-fn relative_variance(pictures: &[Picture]) -> f64 {
-    let count = pictures.len() as f64;
-    let pixels = pictures[0].radiance.len();
-    let values = |pixel: usize| pictures.iter().map(move |picture| f64::from(picture.radiance[pixel][1]));
-    let means: Vec<f64> = (0..pixels).map(|pixel| values(pixel).sum::<f64>() / count).collect();
-    let dark = 1e-3 * (means.iter().sum::<f64>() / pixels as f64).powi(2);
-    let of_pixel = |pixel: usize| {
-        let squares: f64 = values(pixel).map(|value| (value - means[pixel]).powi(2)).sum();
-        squares / (count - 1.0) / (means[pixel].powi(2) + dark)
-    };
-    (0..pixels).map(of_pixel).sum::<f64>() / pixels as f64
-}
-
-/// Mean of a picture and its standard error, from batches of passes with the first radii; and the mean relative variance of its pixels.
-fn mean_and_error(scene: &Arc<Scene>, method: &str, parameters: &str, passes: u32) -> [f64; 3] {
-    let job = Job::new(scene, method, parameters);
-    let Begun { estimate: start, renderer } = job.begin();
-    let field = start.radius_field(job.region());
-    let pictures: Vec<Picture> = (0..BATCHES)
-        .map(|batch| {
-            let mut estimate = start.clone();
-            for pass in 0..passes {
-                let shard = Shard { first_pass: batch * passes + pass, passes: 1, region: job.region() };
-                let mut tally = renderer.trace(shard, &field, &job.never).expect("nobody cancels");
-                tally.shard.first_pass = pass;
-                estimate.merge(&tally, &field).expect("tallies come in order");
-            }
-            estimate.picture()
-        })
-        .collect();
-    let means: Vec<f64> = pictures.iter().map(mean).collect();
-    let count = f64::from(BATCHES);
-    let average = means.iter().sum::<f64>() / count;
-    let variance = means.iter().map(|mean| (mean - average).powi(2)).sum::<f64>() / (count - 1.0);
-    [average, (variance / count).sqrt(), relative_variance(&pictures)]
-}
-
-fn assert_same([found, error, noise]: [f64; 3], [expected, of_expected, other]: [f64; 3], bias: f64, what: &str) {
-    println!("{what}: {found:.6} ± {error:.6}, {expected:.6} ± {of_expected:.6}; noise {noise:.4}, {other:.4}");
-    let both = (error * error + of_expected * of_expected).sqrt();
-    assert!((found - expected).abs() < ERRORS * both + bias * expected, "{what}: {found} ± {error}, not {expected}");
-}
 
 fn learns_a_guide(scene: &Arc<Scene>, method: &str, parameters: &str) -> bool {
     let pilot = Job::new(scene, method, parameters).renderer.pilot(&AtomicBool::new(false)).expect("nobody cancels");
-    !pilot.emission_guide().is_empty()
+    !pilot.guides().emission.is_empty()
 }
 
 #[test]
@@ -142,6 +82,26 @@ fn a_guided_furnace_is_a_furnace() {
     assert!((found - 1.0).abs() < ERRORS * error + 0.003 && error < 0.0035, "{found} ± {error}");
 }
 
+/// Methods that weigh ways of finding paths guide lights as wholes, and their weights know it.
+#[test]
+fn light_subpaths_come_from_lamps_that_matter() {
+    let (scene, alone) =
+        (repository_scene("sealed-lamp/scene.xml", "16"), repository_scene("sealed-lamp/alone.xml", "16"));
+    let expected = mean_and_error(&alone, "path", "{}", 32);
+    for method in ["bdpt", "vcm", "pbdpm", "light_tracing"] {
+        let radius = if method == "pbdpm" { r#""initial_radius": 0.1, "# } else { "" };
+        let photons = if matches!(method, "vcm" | "pbdpm") { r#""photons_per_pass": 4000, "# } else { "" };
+        let parameters = |emission: &str| format!(r#"{{{radius}{photons}"emission": "{emission}"}}"#);
+        let [auto, power] = ["auto", "power"].map(|emission| mean_and_error(&scene, method, &parameters(emission), 2));
+        assert!(learns_a_guide(&scene, method, &parameters("auto")), "{method}: the pilot finds that it helps");
+        let bias = if method == "pbdpm" { 0.03 } else { 0.005 };
+        assert_same(auto, expected, bias, &format!("{method}, and path without the lamp"));
+        let without = mean_and_error(&alone, method, &parameters("power"), 2);
+        let [auto, power, without] = [auto, power, without].map(|[_, _, noise]| noise);
+        assert!(auto < power && auto < 2.0 * without, "{method}: {auto} guided, {power} by power, {without} alone");
+    }
+}
+
 /// Nothing is paid where nothing is to be gained.
 #[test]
 fn photons_of_a_lamp_in_an_open_box_start_by_power() {
@@ -188,11 +148,11 @@ fn what_photons_are_worth_is_learnt() {
     // An eighth of the second light is worth anything: photons that start there with density q have 1/q of the variance. An eighth goes by power,
     // and an eighth of the others evenly over that light.
     let corner = paths(|light, numbers| f64::from(u8::from(light == 1 && numbers[0] < 0.5 && numbers[2] > 0.75)));
-    let lesson = learn(&corner, 2, |_| 0.5).expect("photons are worth something");
+    let lesson = learn(&corner, GuideParts::Cells, 2, |_| 0.5).expect("photons are worth something");
     let best = BY_POWER + (1.0 - BY_POWER) * (0.875 + 0.125 / 8.0) * 16.0;
     assert!((lesson.gain / best - 1.0).abs() < 0.1, "a gain of {} where {best} can be had", lesson.gain);
     // Where all is worth the same, no cell is cut and nothing is gained.
-    let even = learn(&paths(|_, _| 2.0), 2, |_| 0.5).expect("photons are worth something");
+    let even = learn(&paths(|_, _| 2.0), GuideParts::Cells, 2, |_| 0.5).expect("photons are worth something");
     assert!((even.gain - 1.0).abs() < 1e-3 && even.values.len() == 2, "{even:?}");
-    assert_eq!(learn(&paths(|_, _| 0.0), 2, |_| 0.5), None);
+    assert_eq!(learn(&paths(|_, _| 0.0), GuideParts::Cells, 2, |_| 0.5), None);
 }

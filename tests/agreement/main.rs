@@ -5,9 +5,11 @@ mod progressive;
 #[path = "../support/scene_text.rs"]
 mod scene_text;
 
+mod batches;
 mod formats;
 mod guided_emission;
 mod materials;
 mod methods;
 mod photon_map;
 mod references;
+mod visible_lights;

@@ -59,7 +59,7 @@ impl Job {
     /// The estimate after the pilot and before the first pass.
     pub(crate) fn begin(&self) -> Begun {
         let pilot = self.renderer.pilot(&self.never).expect("nobody cancels");
-        let renderer = self.renderer.guided(pilot.emission_guide()).expect("the pilot fits the lights");
+        let renderer = self.renderer.guided(&pilot.guides()).expect("the pilot fits the lights");
         let (width, height) = (self.scene.width, self.scene.height);
         let declaration = declaration(&self.method);
         let estimate = Estimate::new(width, height, &[self.region()], declaration, pilot.radius_squared());

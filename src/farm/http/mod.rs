@@ -70,7 +70,7 @@ pub fn router(coordinator: CoordinatorHandle) -> Router {
         .route("/leases/{lease}/{fencing}/result", post(result).layer(Extension(room)))
         .route("/scenes/{hash}", get(scene))
         .route("/jobs/{id}/radius/{epoch}/{region}", get(radius_field))
-        .route("/jobs/{id}/guide", get(emission_guide))
+        .route("/jobs/{id}/guide", get(guides))
         .route_layer(from_fn_with_state(coordinator.clone(), know_worker))
         .route("/register", post(register))
         .layer(messages)
@@ -249,12 +249,9 @@ async fn radius_field(
     Ok(response)
 }
 
-async fn emission_guide(
-    State(coordinator): State<CoordinatorHandle>,
-    Path(id): Path<JobId>,
-) -> Result<Response, Problem> {
+async fn guides(State(coordinator): State<CoordinatorHandle>, Path(id): Path<JobId>) -> Result<Response, Problem> {
     let job = coordinator.shared.job(id)?;
-    let message = blocking(move || Ok(lock(&job.merging).as_ref().map(Merging::guide_message)));
+    let message = blocking(move || Ok(lock(&job.merging).as_ref().map(Merging::guides_message)));
     let missing = || Problem::new(StatusCode::NOT_FOUND, "the job has no pilot yet".to_owned());
     let message = message.await?.ok_or_else(missing)?;
     Ok(([(header::CONTENT_TYPE, "application/x-protobuf")], message).into_response())

@@ -3,7 +3,7 @@
 //! Whatever comes in is checked here against what the reader expects before anything is allocated for it.
 
 pub mod first_surfaces;
-pub mod guide;
+pub mod guides;
 pub mod lease;
 pub mod planes;
 pub mod radius;

@@ -11,7 +11,7 @@ use crate::farm::ids::JobId;
 use crate::farm::locks::lock;
 use crate::farm::prepared_scenes::{PreparedScenes, prepare_scene};
 use crate::farm::wire::lease::{JobDescription, ShardTerms};
-use crate::farm::wire::{guide, messages, radius};
+use crate::farm::wire::{guides, messages, radius};
 use crate::method::CheckedMethod;
 use crate::render::Renderer;
 use crate::scene::Scene;
@@ -109,7 +109,7 @@ impl Cache {
         Ok(renderer)
     }
 
-    /// The renderer of a job's passes. Methods whose photons always start by power need no guide, and none is fetched.
+    /// The renderer of a job's passes. Methods whose pilot learns nothing need no guides, and none are fetched.
     pub(super) async fn pass_renderer(
         &self,
         client: &Client,
@@ -122,13 +122,13 @@ impl Cache {
             return Ok(renderer);
         }
         let renderer = self.renderer(client, pool, job).await?;
-        if !job.method.as_ref().is_some_and(CheckedMethod::may_guide_photons) {
+        if !job.method.as_ref().is_some_and(CheckedMethod::may_be_guided) {
             return Ok(renderer);
         }
         let bytes = client.get(&format!("jobs/{}/guide", job.id), TRANSFER_TIMEOUT).await?;
-        let message = messages::EmissionGuide::decode(bytes).map_err(|e| PrepareError::Unusable(e.to_string()))?;
-        let values = guide::decode(&message).map_err(|e| PrepareError::Unusable(e.to_string()))?;
-        let guided = renderer.guided(&values).map_err(|e| PrepareError::Unusable(e.to_string()))?;
+        let message = messages::Guides::decode(bytes).map_err(|e| PrepareError::Unusable(e.to_string()))?;
+        let guides = guides::decode(&message).map_err(|e| PrepareError::Unusable(e.to_string()))?;
+        let guided = renderer.guided(&guides).map_err(|e| PrepareError::Unusable(e.to_string()))?;
         let guided = Arc::new(guided);
         lock(&self.guided).insert(key, guided.clone());
         Ok(guided)

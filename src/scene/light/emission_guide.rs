@@ -202,6 +202,11 @@ impl EmissionGuide {
         &self.cells
     }
 
+    /// Whether each light is one cell: then it says no more than how often photons come from each.
+    pub fn picks_lights_alone(&self) -> bool {
+        self.cells.iter().all(|cell| *cell == GuideCell::whole(cell.light))
+    }
+
     /// The probability of each cell.
     pub fn probabilities(&self) -> impl Iterator<Item = f64> {
         let begins = std::iter::once(0).chain(self.ends.iter().copied());

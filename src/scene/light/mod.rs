@@ -11,6 +11,7 @@ pub mod emission_guide;
 pub mod environment_map;
 pub mod ies;
 pub mod importance;
+pub mod importance_sampler;
 pub mod point;
 pub mod projector;
 mod read;
@@ -18,6 +19,7 @@ pub mod spot;
 pub mod sun_sky;
 pub mod surroundings;
 pub mod table;
+pub mod visibility;
 
 use glam::DVec3;
 
@@ -39,6 +41,7 @@ pub use spot::Spot;
 pub use sun_sky::SunSky;
 pub use surroundings::Surroundings;
 pub use table::LightTable;
+pub use visibility::LightVisibility;
 
 /// Light that may arrive at a point, before anything in between is looked at.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,12 @@
 //! All lights of a scene: photons pick them by power, surfaces mostly by what may arrive.
 
+use std::sync::Arc;
+
 use super::area::Emission;
 use super::emission_guide::{EmissionGuide, EmissionPoint};
-use super::importance::{ImportanceSampler, LightImportance, Place};
+use super::importance::{BY_POWER, LightImportance, Place};
+use super::importance_sampler::ImportanceSampler;
+use super::visibility::{LightVisibility, VisibilityCell};
 use super::{DirectSample, EmittedPhoton, FirstSegment, Light, Origin, SeenPoint};
 use crate::math::color::luminance;
 use crate::math::discrete::Discrete;
@@ -12,12 +16,17 @@ use crate::scene::geometry::surface::{NO_LIGHT, SEEN_ONLY};
 use crate::scene::geometry::{Geometry, Interaction, Ray};
 
 /// The lights, and the probabilities with which they are picked.
+#[derive(Clone)]
 pub struct LightTable {
-    lights: Vec<Light>,
+    lights: Arc<[Light]>,
     /// What is seen and lights nothing; shapes hold [`SEEN_ONLY`] plus an index.
     seen_only: Vec<Emission>,
     by_power: Discrete,
+    /// For photons and light subpaths; by power, unless it is known better.
+    by_emission: Discrete,
     by_place: ImportanceSampler,
+    /// What is known of occlusion.
+    visibility: Option<LightVisibility>,
     /// Index of the light that surrounds the scene.
     environment: Option<usize>,
     has_extent: bool,
@@ -49,13 +58,49 @@ impl LightTable {
             .copied()
             .collect();
         let few_emitters = (emitters.len() <= FEW).then_some(emitters);
-        Some(Self { lights, seen_only: Vec::new(), by_power, by_place, environment, has_extent, few_emitters })
+        Some(Self {
+            lights: lights.into(),
+            seen_only: Vec::new(),
+            by_emission: by_power.clone(),
+            by_power,
+            by_place,
+            visibility: None,
+            environment,
+            has_extent,
+            few_emitters,
+        })
     }
 
     /// The same table with what is seen and lights nothing.
     #[must_use]
     pub fn with_seen_only(self, seen_only: Vec<Emission>) -> Self {
         Self { seen_only, ..self }
+    }
+
+    /// The same table with picks that know which lights are seen where.
+    #[must_use]
+    pub fn with_visibility(&self, visibility: LightVisibility) -> Self {
+        Self { visibility: Some(visibility), ..self.clone() }
+    }
+
+    /// The same table with photons and light subpaths that come from lights with these probabilities, by index; `None` when they are none.
+    #[must_use]
+    pub fn with_emission_picks(&self, probabilities: &[f64]) -> Option<Self> {
+        let by_emission = Discrete::new(probabilities).filter(|_| probabilities.len() == self.lights.len())?;
+        Some(Self { by_emission, ..self.clone() })
+    }
+
+    /// What picks know of occlusion.
+    pub fn visibility(&self) -> Option<&LightVisibility> {
+        self.visibility.as_ref()
+    }
+
+    /// A cell with these shares of the lights by index; `None` when none of them emits anything.
+    pub(super) fn visibility_cell(&self, shares: &[f32]) -> Option<VisibilityCell> {
+        let powers = shares.iter().enumerate();
+        let powers = powers.map(|(light, share)| f64::from(share * self.by_power.probability(light)));
+        let by_power = Discrete::new(&powers.collect::<Vec<f64>>())?;
+        Some(VisibilityCell::new(self.by_place.arrange(shares), by_power))
     }
 
     /// The lights.
@@ -81,29 +126,39 @@ impl LightTable {
         emitters.iter().any(|index| geometry.primitive(*index).intersect(ray, &shear, ray.length).is_some())
     }
 
-    /// Picks a light for `place` with `u` in [0, 1); its index and probability.
+    /// Picks a light for `place` with `u` in [0, 1); its index and probability. `None` where no light shines to.
     #[inline]
-    fn pick(&self, place: &Place, u: f32) -> Option<(usize, f32)> {
+    pub fn pick(&self, place: &Place, u: f32) -> Option<(usize, f32)> {
         if self.lights.len() == 1 {
             return Some((0, 1.0));
+        }
+        if let Some(visibility) = &self.visibility {
+            return self.pick_seen(visibility.cell(place.position), place, u);
         }
         let by_power = place.by_power();
         let (index, at_place) = if u < by_power {
             let index = self.by_power.pick(u / by_power).0;
-            (index, self.by_place.probability(place, index))
+            (index, self.by_place.probability(place, None, index))
         } else {
-            self.by_place.pick(place, (u - by_power) / (1.0 - by_power))?
+            self.by_place.pick(place, None, (u - by_power) / (1.0 - by_power))?
         };
         Some((index, self.mixed(place, index, at_place)))
     }
 
-    /// The probability with which [`LightTable::sample_direct`] takes a light at `place`.
+    /// The probability with which [`LightTable::pick`] takes a light at `place`.
     #[inline]
-    fn probability(&self, place: &Place, index: usize) -> f32 {
+    pub fn probability(&self, place: &Place, index: usize) -> f32 {
         if self.lights.len() == 1 {
             return 1.0;
         }
-        self.mixed(place, index, self.by_place.probability(place, index))
+        match &self.visibility {
+            None => self.mixed(place, index, self.by_place.probability(place, None, index)),
+            Some(visibility) => {
+                let cell = visibility.cell(place.position);
+                let at_place = self.by_place.probability(place, Some(cell.shares()), index);
+                self.mixed_seen(cell, place, index, at_place)
+            }
+        }
     }
 
     /// The probability of a pick of which a share goes by power, and the rest with probability `at_place`.
@@ -111,6 +166,31 @@ impl LightTable {
     fn mixed(&self, place: &Place, index: usize, at_place: f32) -> f32 {
         let by_power = place.by_power();
         by_power * self.by_power.probability(index) + (1.0 - by_power) * at_place
+    }
+
+    /// Picks that know what is hidden: what goes by power beyond [`BY_POWER`] goes by seen power, and the rest by seen importance. What
+    /// was taken for hidden by chance is still found by power.
+    fn pick_seen(&self, cell: &VisibilityCell, place: &Place, u: f32) -> Option<(usize, f32)> {
+        let by_power = place.by_power();
+        let by_all_power = by_power.min(BY_POWER);
+        let by_index = |index: usize| (index, self.by_place.probability(place, Some(cell.shares()), index));
+        let (index, at_place) = if u < by_all_power {
+            by_index(self.by_power.pick(u / by_all_power).0)
+        } else if u < by_power {
+            by_index(cell.by_power().pick((u - by_all_power) / (by_power - by_all_power)).0)
+        } else {
+            self.by_place.pick(place, Some(cell.shares()), (u - by_power) / (1.0 - by_power))?
+        };
+        Some((index, self.mixed_seen(cell, place, index, at_place)))
+    }
+
+    /// The probability of such a pick.
+    fn mixed_seen(&self, cell: &VisibilityCell, place: &Place, index: usize, at_place: f32) -> f32 {
+        let by_power = place.by_power();
+        let by_all_power = by_power.min(BY_POWER);
+        by_all_power * self.by_power.probability(index)
+            + (by_power - by_all_power) * cell.by_power().probability(index)
+            + (1.0 - by_power) * at_place
     }
 
     /// Picks a light with `u[2]` and samples what may arrive from it at `place`; densities include the pick.
@@ -121,7 +201,7 @@ impl LightTable {
         Some(DirectSample {
             weighted_radiance: sample.weighted_radiance / probability,
             pdf_solid_angle: sample.pdf_solid_angle * probability,
-            emission_ratio: sample.emission_ratio * (self.by_power.probability(index) / probability),
+            emission_ratio: sample.emission_ratio * (self.emission_pick(index as u32) / probability),
             ..sample
         })
     }
@@ -164,7 +244,7 @@ impl LightTable {
             return 0.0;
         }
         let index = hit.shape.light as usize;
-        self.lights[index].emission_pdf(geometry, &SeenPoint::of(hit)) * self.by_power.probability(index)
+        self.lights[index].emission_pdf(geometry, &SeenPoint::of(hit)) * self.emission_pick(index as u32)
     }
 
     /// What other ways of sampling the first segment of a photon path there are, from the place that it hits first.
@@ -185,7 +265,7 @@ impl LightTable {
             }
             // The direction is in both densities.
             Origin::Distant { sampling_ratio } => FirstSegment {
-                light_sampling: sampling_ratio * (pick / self.by_power.probability(photon.light as usize)),
+                light_sampling: sampling_ratio * (pick / self.emission_pick(photon.light)),
                 light_hit: if light.is_environment() { 1.0 / photon.pdf } else { 0.0 },
                 light_cosine: 1.0,
             },
@@ -197,7 +277,7 @@ impl LightTable {
     #[inline]
     pub fn environment_emission_ratio(&self, place: &Place, direction: Vec3) -> f32 {
         self.environment.map_or(0.0, |index| {
-            let picks = self.by_power.probability(index) / self.probability(place, index);
+            let picks = self.emission_pick(index as u32) / self.probability(place, index);
             self.lights[index].environment_emission_ratio(direction) * picks
         })
     }
@@ -211,18 +291,19 @@ impl LightTable {
         Some((radiance, pdf * self.probability(place, index)))
     }
 
-    /// The probability with which a photon comes from a light, by power.
+    /// The probability with which a photon comes from a light, without a guide.
+    #[inline]
     pub fn emission_pick(&self, light: u32) -> f32 {
-        self.by_power.probability(light as usize)
+        self.by_emission.probability(light as usize)
     }
 
-    /// Where photons with these numbers start: as `guide` says, else by power.
+    /// Where photons with these numbers start: as `guide` says, else anywhere on a light that is picked.
     #[inline]
     pub fn emission_point(&self, guide: Option<&EmissionGuide>, place: [f32; 3], direction: [f32; 2]) -> EmissionPoint {
         let numbers = [place[0], place[1], direction[0], direction[1]];
         match guide {
             Some(guide) => guide.point(numbers, place[2]),
-            None => EmissionPoint { light: self.by_power.pick(place[2]).0 as u32, numbers, density: 1.0 },
+            None => EmissionPoint { light: self.by_emission.pick(place[2]).0 as u32, numbers, density: 1.0 },
         }
     }
 

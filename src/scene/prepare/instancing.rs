@@ -6,7 +6,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::{Builder, Fields, Geometry, MERGE, Node, PluginClass, SceneError, check_reach, members};
+use super::checks::check_reach;
+use super::shapes::{MERGE, OF_DERIVATIVES, members};
+use super::{Builder, Fields, Geometry, Node, PluginClass, SceneError};
 use crate::scene::geometry::Instance;
 
 /// The plugins that are read here, not by the table of shapes.
@@ -48,7 +50,7 @@ impl Builder<'_> {
             return Ok(*index);
         }
         let mut fields = Fields::new(node);
-        fields.ignore(&[super::OF_DERIVATIVES]);
+        fields.ignore(&[OF_DERIVATIVES]);
         let mut shapes = Vec::new();
         let mut waiting = fields.children(PluginClass::Shape);
         waiting.reverse();
@@ -86,7 +88,7 @@ impl Builder<'_> {
         }
         let group = self.group(shape)?;
         let instance = Instance::read(&mut fields, group)?;
-        fields.ignore(&[super::OF_DERIVATIVES]);
+        fields.ignore(&[OF_DERIVATIVES]);
         let bounds = instance.bounds(self.instancing.groups[group as usize].bounds());
         check_reach(node, std::iter::once(bounds))?;
         self.instancing.instances.push(instance);
