@@ -12,7 +12,7 @@ use std::sync::Arc;
 use super::bundle::Bundle;
 use super::camera::{self, Camera};
 use super::description::{Node, PluginClass, SceneDescription};
-use super::error::SceneError;
+use super::error::{SceneError, shown_number};
 use super::fields::Fields;
 use super::film::{self, Film};
 use super::geometry::mesh::ShapeGeometry;
@@ -356,7 +356,7 @@ impl<'a> Builder<'a> {
     fn check_extent(&mut self, node: &Node, geometry: &ShapeGeometry) -> Result<(), SceneError> {
         let area: f64 = geometry.primitives.iter().map(|primitive| f64::from(primitive.area())).sum();
         if !(area > 0.0 && area.is_finite()) {
-            let problem = format!("shape \"{}\" has an area of {area} m²", node.plugin);
+            let problem = format!("shape \"{}\" has an area of {} m²", node.plugin, shown_number(area));
             return Err(SceneError::new(&node.location, problem, "check its size and its to_world"));
         }
         check_reach(node, geometry.primitives.iter().map(Primitive::bounds))?;

@@ -481,6 +481,29 @@ fn the_tables_of_mitsuba_plugins_say_what_happens() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// Whatever number stands in whatever parameter, no message has hundreds of digits.
+#[test]
+fn numbers_in_messages_are_short_for_every_parameter() {
+    let (mut refused, mut wrong) = (0, Vec::new());
+    for class in CLASSES {
+        for Plugin { name, parameters, .. } in class.plugins {
+            for (parameter, _) in each(class.parameters).chain(each(parameters)) {
+                for (tag, number) in [("float", "1e300"), ("float", "-1e-300"), ("rgb", "-1e300")] {
+                    let given = format!("<{tag} name='{parameter}' value='{number}'/>");
+                    let Err(error) = outcome(class.class, class.title, name, &given) else { continue };
+                    refused += 1;
+                    let runs = error.split(|letter: char| !letter.is_ascii_digit());
+                    if runs.map(str::len).max() > Some(20) {
+                        wrong.push(error);
+                    }
+                }
+            }
+        }
+    }
+    assert!(refused > 300, "only {refused} errors");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 fn the_page_has_the_tables_of_mitsuba_plugins() {
     let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/COMPATIBILITY.md");

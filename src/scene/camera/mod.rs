@@ -23,7 +23,7 @@ use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::error::{SceneError, nearest_name};
+use super::error::{SceneError, nearest_name, shown_number};
 use super::fields::Fields;
 use super::geometry::Ray;
 use super::geometry::transform::{ToWorld, to_single};
@@ -117,7 +117,8 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
 pub fn shutter(fields: &mut Fields<'_>) -> Result<[f64; 2], SceneError> {
     let [open, close] = [fields.float("shutter_open")?.unwrap_or(0.0), fields.float("shutter_close")?.unwrap_or(0.0)];
     if close < open {
-        let problem = format!("\"shutter_close\" is {close}, and \"shutter_open\" {open}");
+        let problem =
+            format!("\"shutter_close\" is {}, and \"shutter_open\" {}", shown_number(close), shown_number(open));
         return Err(fields.error("shutter_close", problem, "let the shutter close after it opens"));
     }
     Ok([open, close])
@@ -137,7 +138,7 @@ fn principal_point(fields: &mut Fields<'_>) -> Result<Vec2, SceneError> {
 fn positive(fields: &mut Fields<'_>, name: &'static str) -> Result<Option<f32>, SceneError> {
     match fields.float(name)? {
         Some(number) if number <= 0.0 => {
-            Err(fields.error(name, format!("\"{name}\" is {number}"), "give a number above 0"))
+            Err(fields.error(name, format!("\"{name}\" is {}", shown_number(number)), "give a number above 0"))
         }
         number => Ok(number.map(|number| number as f32)),
     }
@@ -149,7 +150,11 @@ fn clip(fields: &mut Fields<'_>) -> Result<(f32, f32), SceneError> {
     if near < far {
         return Ok((near, far));
     }
-    Err(fields.error("near_clip", format!("nothing lies between {near} and {far} m"), "set near_clip below far_clip"))
+    Err(fields.error(
+        "near_clip",
+        format!("nothing lies between {} and {} m", shown_number(near), shown_number(far)),
+        "set near_clip below far_clip",
+    ))
 }
 
 fn lens(fields: &mut Fields<'_>, far: f32) -> Result<(f32, f32), SceneError> {
@@ -174,7 +179,7 @@ pub fn half_extent(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<V
     if !(fov > 0.0 && fov < 180.0) {
         return Err(fields.error(
             "fov",
-            format!("\"fov\" is {fov} degrees"),
+            format!("\"fov\" is {} degrees", shown_number(fov)),
             "give an angle between 0 and 180 degrees",
         ));
     }
