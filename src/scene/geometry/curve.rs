@@ -15,8 +15,8 @@ use glam::DVec3;
 use super::mesh::{self, ShapeGeometry};
 use super::transform::ToWorld;
 use super::triangle_mesh::TriangleMesh;
-use crate::scene::bundle::{Bundle, without_byte_order_mark};
-use crate::scene::error::{Location, SceneError};
+use crate::scene::bundle::{Bundle, text_of};
+use crate::scene::error::{Location, SceneError, shown_number};
 use crate::scene::fields::Fields;
 
 /// Corners of a tube's cross section.
@@ -102,7 +102,7 @@ fn check_size(fields: &mut Fields<'_>, triangles: u64) -> Result<(), SceneError>
 fn read_curves(fields: &mut Fields<'_>, bundle: &Bundle, least: usize) -> Result<Vec<Vec<Point>>, SceneError> {
     let (bytes, location) = mesh::mesh_file(fields, bundle)?;
     let to_world = ToWorld::read(fields)?;
-    let text = String::from_utf8_lossy(without_byte_order_mark(&bytes));
+    let text = text_of(&bytes);
     let mut curves: Vec<Vec<Point>> = vec![Vec::new()];
     let error = |line: usize, problem: String| {
         SceneError::new(
@@ -135,7 +135,10 @@ fn read_curves(fields: &mut Fields<'_>, bundle: &Bundle, least: usize) -> Result
             return Err(error(line, format!("{shown:?} is not a control point")));
         };
         if words.len() != 4 || radius < 0.0 {
-            return Err(error(line, format!("the control point has {} numbers and the radius {radius}", words.len())));
+            return Err(error(
+                line,
+                format!("the control point has {} numbers and the radius {}", words.len(), shown_number(radius)),
+            ));
         }
         curves
             .last_mut()
