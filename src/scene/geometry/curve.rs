@@ -2,12 +2,12 @@
 //!
 //! `filename` holds a control point on each line, x y z and the radius in m; empty lines separate curves. A `linearcurve` goes through
 //! its points (at least two) and has round ends and joints; a `bsplinecurve` is a uniform cubic B-spline (at least four points, which
-//! pull it), and open at its ends. `to_world` (any affine transform) moves the points and leaves radii as they are, as in Mitsuba.
+//! pull it), and open at its ends. Rays meet both from outside only, as in Mitsuba: who looks into a tube sees through its walls.
+//! `to_world` (any affine transform) moves the points and leaves radii as they are, as in Mitsuba.
 //!
 //! A tube has [`SIDES`] sides and smooth normals; its corners lie so far outside of the circle that it is as wide as the circle in
 //! the mean over all directions. v grows along all curves of the file from 0 to 1, u round each.
 
-use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
@@ -249,7 +249,7 @@ impl Tubes {
     }
 
     fn into_shape(self, fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
-        let mut shape = mesh::placed(Cow::Owned(self.mesh), &ToWorld::IDENTITY, fields, false)?;
+        let mut shape = mesh::one_sided(self.mesh, fields)?;
         shape.notices.push(format!("its curves are approximated by tubes with {SIDES} sides"));
         Ok(shape)
     }
