@@ -126,6 +126,7 @@ impl Source {
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
+        substitution::refuse_repeated(defines, &location)?;
         let mut bundle = self.bundle.clone();
         let Changes { camera, environment, .. } = &self.changes;
         let camera = camera.as_deref();
