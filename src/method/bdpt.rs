@@ -20,7 +20,7 @@ use super::bidirectional_settings::{PassSettings, Paths};
 use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, Subpaths, one_per_pixel};
 use super::parameters::{ParameterSet, parameters, read_method};
 use super::shared_parameters::{HEURISTIC, LENGTH, MAX_DEPTH, PASSES, SHOW, STRATEGY, SUBPATH_RR_DEPTH};
-use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
+use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
@@ -81,6 +81,10 @@ impl ParameterizedMethod for Parameters {
 
     fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {
         Some(self.settings().strategies(longest))
+    }
+
+    fn finds_nothing(&self) -> Option<FindsNothing> {
+        self.settings().finds_nothing()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

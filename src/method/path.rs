@@ -19,7 +19,7 @@ use super::bidirectional_settings::{PassSettings, Paths};
 use super::parameter_values::{All, Depth, Passes, PathLength, RouletteDepth, Switch, one_per_pixel};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{HEURISTIC, LENGTH, MAX_DEPTH, PASSES, SUBPATH_RR_DEPTH};
-use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
+use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
@@ -86,6 +86,10 @@ impl ParameterizedMethod for Parameters {
             ),
             _ => None,
         }
+    }
+
+    fn finds_nothing(&self) -> Option<FindsNothing> {
+        self.settings().finds_nothing()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
