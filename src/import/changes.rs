@@ -225,10 +225,17 @@ pub(super) fn choose(names: &[&str], wanted: Option<&str>, place: &Location) -> 
     let by_index = || wanted.parse().ok().filter(|index| *index < names.len());
     by_name.or_else(by_index).ok_or_else(|| {
         let shown: String = wanted.chars().take(80).collect();
-        let known: Vec<String> =
-            names.iter().take(20).enumerate().map(|(index, name)| format!("{index} {name:?}")).collect();
-        let remedy =
-            if known.is_empty() { "the scene has none".to_owned() } else { format!("there are {}", known.join(", ")) };
+        let listed = |(index, name): (usize, &&str)| match name.is_empty() {
+            true => index.to_string(),
+            false => format!("{index} {name:?}"),
+        };
+        let known: Vec<String> = names.iter().take(20).enumerate().map(listed).collect();
+        let more = if names.len() > known.len() { format!(", … ({} in all)", names.len()) } else { String::new() };
+        let remedy = match known.len() {
+            0 => "the scene has none".to_owned(),
+            1 => format!("the only one is {}", known[0]),
+            _ => format!("there are {}{more}", known.join(", ")),
+        };
         SceneError::new(place, format!("there is no camera {shown:?}"), remedy)
     })
 }
