@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit_code::CliError;
-use super::scene_options::SceneOptions;
+use super::scene_options::{SceneOptions, scene_help};
 use super::terminal;
 use crate::import::native;
 use crate::scene::description::SceneDescription;
@@ -17,7 +17,7 @@ use crate::scene::notice::Notice;
 /// Files that the scene refers to are copied beside it under the same names; -o scene.zip packs all into one file.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Import {
-    /// Scene: Mitsuba XML of any version, JSON, or a zip archive with everything it refers to.
+    #[arg(help = scene_help())]
     scene: PathBuf,
     /// File to write, .json or .zip.
     #[arg(short, long, value_name = "FILE", required_unless_present = "report")]

@@ -7,7 +7,7 @@ use clap::Args;
 use super::client::Client;
 use super::exit_code::CliError;
 use super::scene_file::in_users_file;
-use super::scene_options::SceneOptions;
+use super::scene_options::{SceneOptions, scene_help};
 use super::stop_options::StopOptions;
 use super::terminal;
 use crate::api::jobs::JobSubmission;
@@ -17,7 +17,7 @@ use crate::farm::job::{JobStatus, Priority};
 /// A scene and how to render it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct JobOptions {
-    /// Scene: Mitsuba 3 XML or JSON, or a zip archive with everything it refers to.
+    #[arg(help = scene_help())]
     pub(super) scene: PathBuf,
     /// Method, or auto for the one that short trials find to be the fastest; the scene's own integrator when it is not given.
     #[arg(long)]

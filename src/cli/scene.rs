@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::exit_code::CliError;
 use super::import::notice_json;
-use super::scene_options::SceneOptions;
+use super::scene_options::{SceneOptions, scene_help};
 use super::terminal;
 use crate::farm::coordinator::request::{ResolvedMethod, resolve_method};
 use crate::farm::job::JobRequest;
@@ -35,7 +35,7 @@ enum SceneCommand {
 /// Check that a scene can be rendered; print what it contains and what was approximated or ignored.
 #[derive(Clone, Debug, Args)]
 struct Check {
-    /// Scene: Mitsuba XML of any version, JSON, or a zip archive with everything it refers to.
+    #[arg(help = scene_help())]
     scene: PathBuf,
     /// Print JSON.
     #[arg(long)]

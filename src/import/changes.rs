@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::pack::{standard_name, write_zip};
-use super::{Archive, Format, default_environment, format, resolve};
+use super::formats::{Format, format, standard_name};
+use super::pack::write_zip;
+use super::{Archive, default_environment, resolve};
 use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, scene_in_comment};
 use crate::scene::description::{Child, Node, Parameter, PluginClass, Value};
 use crate::scene::error::{Location, SceneError};

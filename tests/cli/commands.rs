@@ -10,6 +10,7 @@ use command_line::{ended, program, run};
 use exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{LAYERS, PictureMetadata, encode_exr, write_file};
+use photonfarm::import::formats;
 
 /// A port on which nothing listens: the discard port of this machine.
 const NOBODY: &str = "http://127.0.0.1:9";
@@ -36,6 +37,15 @@ fn help_tells_the_exit_codes() {
     let output = run(&["--help"]);
     assert!(output.status.success());
     assert!(stdout(&output).contains("the coordinator cannot be reached"));
+}
+
+#[test]
+fn help_tells_all_formats_of_scenes() {
+    for command in [["render"].as_slice(), &["submit"], &["scene", "check"], &["import"], &["plan"]] {
+        let help = stdout(&run(&[command, &["--help"]].concat()));
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(help.contains(&formats::told()), "{help}");
+    }
 }
 
 #[test]
