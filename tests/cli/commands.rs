@@ -253,8 +253,31 @@ fn scene_check_tells_what_a_scene_contains_and_what_was_left_out() {
     let document: serde_json::Value =
         serde_json::from_slice(&run(&["scene", "check", &scene, "--json"]).stdout).expect("JSON");
     assert_eq!(document["contents"]["shapes"]["obj"], 1);
+    assert_eq!(document["contents"]["media"], serde_json::json!({}));
     assert_eq!(document["import_report"][0]["treatment"], "ignored");
 }
+
+#[test]
+fn scene_check_tells_media() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("fog.xml");
+    std::fs::write(&scene, FOG).expect("writes");
+    let scene = scene.to_string_lossy();
+    let text = stdout(&run(&["scene", "check", &scene]));
+    assert!(text.contains("media      2: 1 heterogeneous, 1 homogeneous"), "{text}");
+    let document: serde_json::Value =
+        serde_json::from_slice(&run(&["scene", "check", &scene, "--json"]).stdout).expect("JSON");
+    assert_eq!(document["contents"]["media"], serde_json::json!({"heterogeneous": 1, "homogeneous": 1}));
+}
+
+/// Three shapes with two media, of which one is shared.
+const FOG: &str =
+    "<scene version='3.0.0'><integrator type='volpath'/><sensor type='perspective'/><emitter type='constant'/>
+    <medium type='homogeneous' id='fog'/>
+    <shape type='sphere'><bsdf type='null'/><ref id='fog' name='interior'/></shape>
+    <shape type='sphere'><point name='center' x='3'/><bsdf type='null'/><ref id='fog' name='interior'/></shape>
+    <shape type='cube'><bsdf type='null'/><medium name='interior' type='heterogeneous'>
+    <volume name='albedo' type='constvolume'><float name='value' value='0.5'/></volume></medium></shape></scene>";
 
 #[test]
 fn plan_tells_what_a_scene_needs_and_who_is_fastest() {
