@@ -72,6 +72,11 @@ pub fn nearest_name(name: &str, known: &[&str]) -> String {
     }
 }
 
+/// The remedy for a name that nothing defines: the known name closest to it, or, where none is known, how to `define` one.
+pub fn nearest_defined_name(name: &str, known: &[&str], define: &str) -> String {
+    if known.is_empty() { define.to_owned() } else { nearest_name(name, known) }
+}
+
 /// The candidate that `name` is most likely a misspelling of, if any is close.
 ///
 /// Compares with at most 4096 candidates, and long names with none, so that a hostile scene cannot make the message of
