@@ -58,6 +58,8 @@ const VALUES: &[(&str, &str, &str)] = &[
     ("area", "radiance", "<rgb name='radiance' value='3, 2, 1'/>"),
     ("constvolume", "value", "<float name='value' value='0.3'/>"),
     ("sunsky", "albedo", "<rgb name='albedo' value='0.8'/>"),
+    ("distant", "direction", "<vector name='direction' x='0.1' z='-1'/>"),
+    ("distant", "target", "<point name='target' x='0.3'/>"),
     ("radiancemeter", "origin", METER),
     ("radiancemeter", "direction", METER),
     ("timed_sunsky", "albedo", "<rgb name='albedo' value='0.8'/>"),
@@ -303,7 +305,7 @@ fn outcome(class: PluginClass, title: &str, plugin: &str, given: &str) -> Result
         }
         PluginClass::Sensor => {
             sensor = node("sensor", "").replace("</sensor>", "FILM</sensor>");
-            if plugin == "radiancemeter" {
+            if ["distant", "radiancemeter"].contains(&plugin) {
                 film = one_pixel();
             }
         }

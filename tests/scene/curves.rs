@@ -178,7 +178,7 @@ fn plugins_that_are_not_rendered() {
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='distant'/>"),
-            "sensor \"distant\" is not supported; use an ortho",
+            "the film of a distant sensor has 768 × 576 pixels; give it one of width 1 and height 1",
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='radiancemeter'/>"),
