@@ -321,6 +321,17 @@ async fn bad_jobs_are_refused_with_place_and_remedy() {
     assert_eq!(syntax["place"], "line 2, column 11");
     let unknown = problem(farm.post("/v1/jobs", "{\"sceen\": 1}").await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("sceen")), "{unknown}");
+    // A list of words, a job's own fields, and dictionaries inside: nothing is given twice.
+    for twice in [
+        r#"{"seed": 1, "seed": 2}"#,
+        r#"{"parameters": {"alpha": 0.5, "alpha": 0.6}}"#,
+        r#"{"scene_inline": {"type": "scene", "a": {"type": "sphere"}, "a": {"type": "sphere"}}}"#,
+    ] {
+        let refused = problem(farm.post("/v1/jobs", twice).await, 422, "bad-request").await;
+        let detail = refused["detail"].as_str().expect("text");
+        assert!(detail.contains("is given twice in one object at line 1 column"), "{refused}");
+        assert_eq!(refused["remedy"], "give it once");
+    }
     problem(farm.post("/v1/jobs", "{}").await, 422, "bad-request").await;
     problem(farm.post("/v1/jobs", json!({ "scene_inline": 3 }).to_string()).await, 422, "bad-request").await;
     let scene = json!({ "scene": "0".repeat(64) }).to_string();

@@ -9,6 +9,7 @@ mod scene_text;
 use chi_square::numbers;
 use photonfarm::math::{Vec3, warp};
 use photonfarm::scene::geometry::block::{Block, LANES};
+use photonfarm::scene::geometry::one_sided_triangle::OneSidedTriangle;
 use photonfarm::scene::geometry::ray::{PrimitiveHit, Shear};
 use photonfarm::scene::geometry::triangle::Triangle;
 use photonfarm::scene::geometry::{Primitive, Ray};
@@ -62,10 +63,14 @@ fn agreement_blocks_of_triangles_equal_their_plain_twin() {
             // Half of them share corners on whole numbers, so that edges meet.
             if triangle.is_multiple_of(2) { point.round() } else { point }
         };
-        let triangles: Vec<Primitive> = (0..count)
-            .map(|index| Primitive::Triangle(Triangle { vertices: [0, 1, 2].map(|vertex| corner(index, vertex)) }))
-            .collect();
-        assert!(assert_same(&triangles, 910 + 2 * count as u32, 20_000) > 500, "{count} triangles");
+        let triangle = |index| Triangle { vertices: [0, 1, 2].map(|vertex| corner(index, vertex)) };
+        let triangles: Vec<Primitive> = (0..count).map(|index| Primitive::Triangle(triangle(index))).collect();
+        let all = assert_same(&triangles, 910 + 2 * count as u32, 20_000);
+        let one_sided = |index| Primitive::OneSidedTriangle(OneSidedTriangle(triangle(index)));
+        let one_sided: Vec<Primitive> = (0..count).map(one_sided).collect();
+        let from_outside = assert_same(&one_sided, 910 + 2 * count as u32, 20_000);
+        assert!(from_outside > 200 && all > 500, "{count} triangles");
+        assert!(from_outside < all, "{count} triangles: {from_outside} of {all} hits");
     }
 }
 

@@ -484,9 +484,20 @@ async fn a_job_without_workers_says_so() {
     assert_eq!((status.workers, status.seconds_left), (0, None));
     let workers = farm.handle.workers();
     assert!(workers.iter().all(|worker| worker.state == photonfarm::farm::job::WorkerState::Silent), "{workers:?}");
+    let told = || {
+        let notices = farm.handle.job(id).expect("a job").notices;
+        notices.iter().filter(|notice| notice.starts_with("No worker is connected")).count()
+    };
+    let patience = async {
+        while told() != 1 {
+            sleep(Duration::from_millis(50)).await;
+        }
+    };
+    timeout(Duration::from_secs(10), patience).await.expect("a notice");
     let (_, _worker) = farm.worker("successor", 1);
     let mut status = farm.handle.watch(id).expect("a job");
     status.wait_for(|status| status.waiting_for_workers_since.is_none()).await.expect("the coordinator lives");
+    assert_eq!(told(), 0, "the notice goes when a worker comes");
 }
 
 /// A job that waits for memory, one job too many, and a picture that never fits.

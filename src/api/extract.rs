@@ -9,6 +9,7 @@ use axum::http::request::Parts;
 use serde::de::DeserializeOwned;
 
 use super::problem::Problem;
+use super::unique_keys::UniqueKeys;
 use crate::farm::ids::{BadJobId, JobId};
 
 /// A JSON body.
@@ -39,6 +40,10 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for JsonBody<T> {
             let detail = "the body is a JSON list or text where an object is expected";
             return Err(Problem::new(StatusCode::BAD_REQUEST, "bad-json", detail).remedy("send {\"name\": value, …}"));
         }
+        serde_json::from_slice::<UniqueKeys>(&bytes).map_err(|error| match error.is_data() {
+            true => Problem::from(error).remedy("give it once"),
+            false => Problem::from(error),
+        })?;
         Ok(Self(serde_json::from_slice(&bytes).map_err(Problem::from)?))
     }
 }

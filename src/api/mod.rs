@@ -33,6 +33,7 @@ pub mod scenes;
 pub mod security_headers;
 pub mod session;
 pub mod standby;
+mod unique_keys;
 pub mod webhooks;
 pub mod workers;
 

@@ -42,7 +42,7 @@ impl From<SceneSummary> for SceneView {
     }
 }
 
-/// Uploads a scene: Mitsuba 3 XML or JSON that stands alone, or a zip archive with everything it refers to.
+/// Uploads a scene of any format that is read, alone or in a zip archive with everything it refers to.
 #[utoipa::path(
     post, path = "/scenes", tag = "scenes",
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),

@@ -87,7 +87,7 @@ fn format(path: &Path) -> Result<Format, CliError> {
     }
     drawing_encoder(path).map(Format::Drawing).ok_or_else(|| {
         let text = format!("\"{}\" does not say what it is; end the name in .html, .svg or .png", path.display());
-        CliError::BadInput(text)
+        CliError::Usage(text)
     })
 }
 

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
-use super::job_options::setting;
+use super::job_options::{parameters, setting};
 use super::stop_options::StopOptions;
 use super::terminal;
 use crate::api::job_control::CloneRequest;
@@ -43,7 +43,7 @@ impl CloneJob {
         let stop = stop.rule();
         let changes = CloneRequest {
             method,
-            parameters: settings.into_iter().collect(),
+            parameters: parameters(settings)?,
             stop: (!stop.is_empty()).then_some(stop),
             seed,
             name,

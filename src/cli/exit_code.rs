@@ -27,6 +27,9 @@ pub(super) enum CliError {
     /// The job failed, or anything that has no code of its own.
     #[error("{0}")]
     Failed(String),
+    /// What the command line asks for does not fit together, for example a file name whose end names no format.
+    #[error("{0}")]
+    Usage(String),
     /// The scene, the method or a parameter is wrong.
     #[error("{0}")]
     BadInput(String),
@@ -49,6 +52,7 @@ impl CliError {
     pub(super) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Failed(_) => 1,
+            Self::Usage(_) => 2,
             Self::BadInput(_) => 3,
             Self::Unreachable(_) => 4,
             Self::File(_) => 5,
@@ -82,9 +86,8 @@ impl From<PictureFileError> for CliError {
     fn from(error: PictureFileError) -> Self {
         match error {
             PictureFileError::Encode { .. } => Self::failed(error),
-            PictureFileError::UnknownFormat { .. } | PictureFileError::UnknownLayer { .. } => {
-                Self::BadInput(error.to_string())
-            }
+            PictureFileError::UnknownFormat { .. } => Self::Usage(error.to_string()),
+            PictureFileError::UnknownLayer { .. } => Self::BadInput(error.to_string()),
             _ => Self::File(error.to_string()),
         }
     }

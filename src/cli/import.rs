@@ -6,7 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit_code::CliError;
-use super::scene_options::SceneOptions;
+use super::scene_options::{SceneOptions, scene_help};
 use super::terminal;
 use crate::import::native;
 use crate::scene::description::SceneDescription;
@@ -17,7 +17,7 @@ use crate::scene::notice::Notice;
 /// Files that the scene refers to are copied beside it under the same names; -o scene.zip packs all into one file.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Import {
-    /// Scene: Mitsuba XML of any version, JSON, or a zip archive with everything it refers to.
+    #[arg(help = scene_help())]
     scene: PathBuf,
     /// File to write, .json or .zip.
     #[arg(short, long, value_name = "FILE", required_unless_present = "report")]
@@ -34,9 +34,10 @@ pub(super) struct Import {
 
 impl Import {
     pub(super) fn run(self) -> Result<(), CliError> {
+        let format = self.output.as_deref().map(NativeFormat::of_path).transpose()?;
         let description = self.options.load(&self.scene)?;
-        if let Some(output) = &self.output {
-            write(&description, output)?;
+        if let Some((output, format)) = self.output.as_ref().zip(format) {
+            write(&description, output, format)?;
         }
         if self.report {
             return terminal::result(&report(&description.notices, self.json)?);
@@ -70,10 +71,30 @@ pub(super) fn notice_json(notice: &Notice) -> Value {
     })
 }
 
-fn write(description: &SceneDescription, output: &Path) -> Result<(), CliError> {
-    match output.extension().map(|extension| extension.to_ascii_lowercase()) {
-        Some(extension) if extension == "zip" => write_file(output, &native::to_zip(description)?),
-        Some(extension) if extension == "json" => {
+/// The files of a scene in the native form.
+#[derive(Clone, Copy)]
+enum NativeFormat {
+    /// A JSON file, with what it refers to beside it.
+    Json,
+    /// All in one.
+    Zip,
+}
+
+impl NativeFormat {
+    /// What the end of a file's name asks for.
+    fn of_path(path: &Path) -> Result<Self, CliError> {
+        match path.extension().map(|extension| extension.to_ascii_lowercase()) {
+            Some(extension) if extension == "zip" => Ok(Self::Zip),
+            Some(extension) if extension == "json" => Ok(Self::Json),
+            _ => Err(CliError::Usage(format!("cannot write \"{}\"; end its name in .json or .zip", path.display()))),
+        }
+    }
+}
+
+fn write(description: &SceneDescription, output: &Path, format: NativeFormat) -> Result<(), CliError> {
+    match format {
+        NativeFormat::Zip => write_file(output, &native::to_zip(description)?),
+        NativeFormat::Json => {
             let text = native::to_json(description)?;
             let folder = output.parent().unwrap_or(Path::new(""));
             let files = native::files(description)?;
@@ -88,7 +109,6 @@ fn write(description: &SceneDescription, output: &Path) -> Result<(), CliError> 
             }
             write_file(output, text.as_bytes())
         }
-        _ => Err(CliError::BadInput(format!("cannot write \"{}\"; end its name in .json or .zip", output.display()))),
     }
 }
 

@@ -7,7 +7,7 @@ use clap::Args;
 use super::client::Client;
 use super::exit_code::CliError;
 use super::scene_file::in_users_file;
-use super::scene_options::SceneOptions;
+use super::scene_options::{SceneOptions, scene_help};
 use super::stop_options::StopOptions;
 use super::terminal;
 use crate::api::jobs::JobSubmission;
@@ -17,7 +17,7 @@ use crate::farm::job::{JobStatus, Priority};
 /// A scene and how to render it.
 #[derive(Clone, Debug, Args)]
 pub(super) struct JobOptions {
-    /// Scene: Mitsuba 3 XML or JSON, or a zip archive with everything it refers to.
+    #[arg(help = scene_help())]
     pub(super) scene: PathBuf,
     /// Method, or auto for the one that short trials find to be the fastest; the scene's own integrator when it is not given.
     #[arg(long)]
@@ -58,7 +58,11 @@ pub(super) struct JobOptions {
 impl JobOptions {
     /// Uploads the scene and submits the job, and tells its notices. What is said of the scene names the user's file.
     pub(super) async fn send(&self, client: &Client, scene: Vec<u8>) -> Result<JobStatus, CliError> {
-        let submitted = async { client.submit(&self.submission(client.upload_scene(scene).await?)).await };
+        let mut submission = self.submission()?;
+        let submitted = async {
+            submission.scene = Some(client.upload_scene(scene).await?);
+            client.submit(&submission).await
+        };
         let job = submitted.await.map_err(|error| error.about(&self.scene))?;
         for notice in &job.notices {
             terminal::note(&format!("note: {}", in_users_file(notice, &self.scene)));
@@ -66,24 +70,41 @@ impl JobOptions {
         Ok(job)
     }
 
-    /// The request for a scene that was uploaded as `scene`.
-    fn submission(&self, scene: String) -> JobSubmission {
+    /// The request, without its scene.
+    fn submission(&self) -> Result<JobSubmission, CliError> {
         let length = self.length.map(|length| ("length".to_owned(), length.into()));
         let strategy = self.strategy.clone().map(|strategy| ("strategy".to_owned(), strategy.into()));
-        JobSubmission {
-            scene: Some(scene),
+        Ok(JobSubmission {
+            scene: None,
             scene_inline: None,
             scene_changes: None,
             method: self.method.clone(),
-            parameters: self.settings.iter().cloned().chain(length).chain(strategy).collect(),
+            parameters: parameters(self.settings.iter().cloned().chain(length).chain(strategy))?,
             stop: self.stop.rule(),
             cut: Cut { passes_per_shard: self.passes_per_shard, shards_per_epoch: self.shards_per_epoch },
             seed: self.seed,
             name: self.name.clone(),
             tags: self.tags.clone(),
             priority: self.priority,
-        }
+        })
     }
+}
+
+/// Method parameters by name.
+///
+/// # Errors
+/// One that is given twice.
+pub(super) fn parameters(
+    settings: impl IntoIterator<Item = (String, serde_json::Value)>,
+) -> Result<serde_json::Map<String, serde_json::Value>, CliError> {
+    let mut parameters = serde_json::Map::new();
+    for (name, value) in settings {
+        if parameters.contains_key(&name) {
+            return Err(CliError::Usage(format!("method parameter \"{name}\" is given twice; give it once")));
+        }
+        parameters.insert(name, value);
+    }
+    Ok(parameters)
 }
 
 /// A method parameter: a name and a JSON value, or else text.

@@ -14,7 +14,8 @@ use crate::farm::job::{JobState, JobStatus};
 
 /// List a coordinator's jobs, all or those that are asked for.
 ///
-/// Oldest first: id, state, passes, seconds, method, owner, name, separated by tabs.
+/// Oldest first: id, state, passes, seconds, method, owner, name, separated by tabs. The state of a job that waits because no
+/// worker is connected ends in "no worker".
 #[derive(Clone, Debug, Args)]
 pub(super) struct Jobs {
     /// Only jobs in this state.
@@ -56,8 +57,14 @@ impl Jobs {
     }
 }
 
+/// A job's state, and whether nobody is there to work on it.
+fn state(job: &JobStatus) -> String {
+    let lacks = if job.waiting_for_workers_since.is_some() { ", no worker" } else { "" };
+    format!("{}{lacks}", job.state.name())
+}
+
 fn line(job: &JobStatus) -> String {
-    let state = job.state.name();
+    let state = state(job);
     let total = job.passes_total.map(|total| format!("/{total}")).unwrap_or_default();
     let name = job.name.as_deref().unwrap_or("-");
     let owner = job.owner.as_ref().map_or("-", UserName::as_str);

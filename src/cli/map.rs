@@ -42,7 +42,7 @@ impl Map {
         let encoder = |path: &PathBuf| {
             drawing_encoder(path).ok_or_else(|| {
                 let text = format!("\"{}\" does not say what it is; end the name in .svg or .png", path.display());
-                CliError::BadInput(text)
+                CliError::Usage(text)
             })
         };
         let encoders = self.outputs.iter().map(encoder).collect::<Result<Vec<_>, _>>()?;

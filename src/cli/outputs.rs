@@ -15,9 +15,9 @@ pub(super) struct OutputOptions {
     /// File to write, .exr or .png. May be repeated.
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) outputs: Vec<PathBuf>,
-    /// Stops by which PNG files are made brighter.
-    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
-    exposure: f32,
+    /// Stops by which PNG files are made brighter, -64 to 64 [default: 0].
+    #[arg(long, allow_negative_numbers = true)]
+    exposure: Option<f32>,
     /// Further layers of EXR files, separated by commas.
     #[arg(long, value_delimiter = ',', value_parser = layer_names())]
     layers: Vec<String>,
@@ -26,15 +26,31 @@ pub(super) struct OutputOptions {
 impl OutputOptions {
     /// Refuses files of unknown format or in places that cannot be written, and impossible options.
     pub(super) fn check(&self) -> Result<(), CliError> {
-        if !(-64.0..=64.0).contains(&self.exposure) {
-            let text = format!("exposure is {}; give a number of stops from -64 to 64", self.exposure);
+        let exposure = self.exposure();
+        if !(-64.0..=64.0).contains(&exposure) {
+            let text = format!("exposure is {exposure}; give a number of stops from -64 to 64");
             return Err(CliError::BadInput(text));
         }
-        for path in &self.outputs {
-            PictureFormat::of_path(path)?;
-            check_writable(path)?;
+        let formats = self.outputs.iter().map(|path| PictureFormat::of_path(path)).collect::<Result<Vec<_>, _>>()?;
+        self.check_formats(&formats)?;
+        self.outputs.iter().try_for_each(|path| Ok(check_writable(path)?))
+    }
+
+    /// Refuses options of formats that are not written.
+    fn check_formats(&self, formats: &[PictureFormat]) -> Result<(), CliError> {
+        if !self.layers.is_empty() && !formats.contains(&PictureFormat::Exr) {
+            let text = "--layers goes into EXR files, and none is written; give an -o that ends in .exr";
+            return Err(CliError::Usage(text.to_owned()));
+        }
+        if self.exposure.is_some() && !formats.contains(&PictureFormat::Png) {
+            let text = "--exposure changes PNG files, and none is written; give an -o that ends in .png";
+            return Err(CliError::Usage(text.to_owned()));
         }
         Ok(())
+    }
+
+    fn exposure(&self) -> f32 {
+        self.exposure.unwrap_or(0.0)
     }
 
     /// Fetches the job's picture and writes all files. Tells whether there was a picture.
@@ -49,7 +65,7 @@ impl OutputOptions {
     fn image(&self, path: &Path) -> Result<String, CliError> {
         Ok(match PictureFormat::of_path(path)? {
             PictureFormat::Exr => format!("image.exr?layers={}", self.layers.join(",")),
-            PictureFormat::Png => format!("image.png?exposure={}", self.exposure),
+            PictureFormat::Png => format!("image.png?exposure={}", self.exposure()),
         })
     }
 }

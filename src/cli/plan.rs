@@ -8,8 +8,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit_code::CliError;
-use super::job_options::setting;
-use super::scene_options::SceneOptions;
+use super::job_options::{parameters, setting};
+use super::scene_options::{SceneOptions, scene_help};
 use super::terminal;
 use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, Survey, Trial};
 use crate::farm::method_choice::try_methods;
@@ -22,7 +22,7 @@ use crate::scene::prepare::Scene;
 /// expected to be there; a job with `--error` goes on until it is sure, and takes two to three times as long.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Plan {
-    /// Scene: Mitsuba XML of any version, JSON, or a zip archive with everything it refers to.
+    #[arg(help = scene_help())]
     scene: PathBuf,
     /// relMSE to plan for.
     #[arg(long, value_name = "RELMSE", default_value_t = DEFAULT_ERROR)]
@@ -44,7 +44,7 @@ impl Plan {
         }
         let scene = Scene::prepare(&self.options.load(&self.scene)?)?;
         let (needs, size) = (scene.needs(), [scene.width, scene.height]);
-        let parameters = self.settings.iter().cloned().collect();
+        let parameters = parameters(self.settings.iter().cloned())?;
         let mut stopwatch = ProcessStopwatch::start().map_err(CliError::failed)?;
         let found = try_methods(&scene, &parameters, self.error, &mut stopwatch, &AtomicBool::new(false))
             .map_err(|problem| CliError::BadInput(problem.to_string()))?;

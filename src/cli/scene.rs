@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::exit_code::CliError;
 use super::import::notice_json;
-use super::scene_options::SceneOptions;
+use super::scene_options::{SceneOptions, scene_help};
 use super::terminal;
 use crate::farm::coordinator::request::{ResolvedMethod, resolve_method};
 use crate::farm::job::JobRequest;
@@ -35,7 +35,7 @@ enum SceneCommand {
 /// Check that a scene can be rendered; print what it contains and what was approximated or ignored.
 #[derive(Clone, Debug, Args)]
 struct Check {
-    /// Scene: Mitsuba XML of any version, JSON, or a zip archive with everything it refers to.
+    #[arg(help = scene_help())]
     scene: PathBuf,
     /// Print JSON.
     #[arg(long)]
@@ -72,6 +72,9 @@ fn default_request() -> JobRequest {
     JobRequest::of_scene("")
 }
 
+/// What is counted, in the order in which it is told.
+const CLASSES: [&str; 5] = ["shapes", "materials", "lights", "textures", "media"];
+
 /// How many plugins of each kind there are, by class. Shared ones count once.
 type Contents = BTreeMap<&'static str, BTreeMap<String, usize>>;
 
@@ -86,13 +89,14 @@ fn contents(description: &SceneDescription) -> Contents {
                 PluginClass::Bsdf => "materials",
                 PluginClass::Emitter => "lights",
                 PluginClass::Texture => "textures",
+                PluginClass::Medium => "media",
                 _ => "other",
             };
             *contents.entry(class).or_default().entry(child.node.plugin.clone()).or_insert(0) += 1;
             count(&child.node, seen, contents);
         }
     }
-    let mut contents = ["shapes", "materials", "lights", "textures"].map(|class| (class, BTreeMap::new())).into();
+    let mut contents = CLASSES.map(|class| (class, BTreeMap::new())).into();
     count(&description.root, &mut HashSet::new(), &mut contents);
     contents.remove("other");
     contents
@@ -123,7 +127,7 @@ impl Found {
         let scene = &self.scene;
         line("method", self.method.method.choice.name.clone());
         line("picture", format!("{} × {} pixels", scene.width, scene.height));
-        for class in ["shapes", "materials", "lights", "textures"] {
+        for class in CLASSES {
             line(class, kinds(&self.contents[class]));
         }
         line("primitives", scene.geometry.primitive_count().to_string());

@@ -8,8 +8,13 @@ use super::exit_code::CliError;
 use super::job_options::define;
 use super::scene_file;
 use crate::import::changes::{Changes, Crop, Environment};
-use crate::import::load_changed;
+use crate::import::{formats, load_changed};
 use crate::scene::description::SceneDescription;
+
+/// What the scene argument may be.
+pub(super) fn scene_help() -> String {
+    format!("Scene: {}", formats::told())
+}
 
 /// Changes of a scene of any format.
 #[derive(Clone, Debug, Default, Args)]

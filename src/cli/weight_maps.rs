@@ -22,7 +22,7 @@ const LONGEST: u32 = 4;
 pub(super) fn check(file: &Path) -> Result<(), CliError> {
     if PictureFormat::of_path(file)? != PictureFormat::Exr {
         let text = format!("--weight-maps \"{}\" is no EXR; the sheet is written beside it, as PNG", file.display());
-        return Err(CliError::BadInput(text));
+        return Err(CliError::Usage(text));
     }
     check_writable(file)?;
     Ok(check_writable(&sheet_file(file))?)

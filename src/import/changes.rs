@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::pack::{standard_name, write_zip};
-use super::{Archive, Format, default_environment, format, resolve};
+use super::formats::{Format, format, standard_name};
+use super::pack::write_zip;
+use super::{Archive, default_environment, resolve};
 use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, scene_in_comment};
 use crate::scene::description::{Child, Node, Parameter, PluginClass, Value};
 use crate::scene::error::{Location, SceneError};
@@ -225,10 +226,17 @@ pub(super) fn choose(names: &[&str], wanted: Option<&str>, place: &Location) -> 
     let by_index = || wanted.parse().ok().filter(|index| *index < names.len());
     by_name.or_else(by_index).ok_or_else(|| {
         let shown: String = wanted.chars().take(80).collect();
-        let known: Vec<String> =
-            names.iter().take(20).enumerate().map(|(index, name)| format!("{index} {name:?}")).collect();
-        let remedy =
-            if known.is_empty() { "the scene has none".to_owned() } else { format!("there are {}", known.join(", ")) };
+        let listed = |(index, name): (usize, &&str)| match name.is_empty() {
+            true => index.to_string(),
+            false => format!("{index} {name:?}"),
+        };
+        let known: Vec<String> = names.iter().take(20).enumerate().map(listed).collect();
+        let more = if names.len() > known.len() { format!(", … ({} in all)", names.len()) } else { String::new() };
+        let remedy = match known.len() {
+            0 => "the scene has none".to_owned(),
+            1 => format!("the only one is {}", known[0]),
+            _ => format!("there are {}{more}", known.join(", ")),
+        };
         SceneError::new(place, format!("there is no camera {shown:?}"), remedy)
     })
 }

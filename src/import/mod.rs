@@ -11,6 +11,7 @@ pub mod changes;
 pub mod compatibility;
 mod default_environment;
 mod draft;
+pub mod formats;
 mod gltf;
 mod gzip;
 mod json_text;
@@ -36,18 +37,20 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::scene::bundle::{Bundle, read_file, scene_in_comment, without_byte_order_mark};
+use crate::scene::bundle::{Bundle, read_file};
 use crate::scene::description::{Node, SceneDescription, Value};
 use crate::scene::error::{Location, SceneError};
 use changes::Changes;
 use draft::Reading;
+pub use formats::scene_in_archive;
+use formats::{Format, format};
 
 pub use pack::{UNNAMED, pack, packed_names};
 
 /// How deep plugins and values may nest, and how long a chain of references may be.
 const DEPTH_LIMIT: usize = 64;
 
-/// Reads the scene file (XML, JSON, glTF, GLB, MGF, pbrt, or a zip archive with one of them) at `path`.
+/// Reads the scene file (of one of the [`formats`], or a zip archive with one) at `path`.
 ///
 /// `defines` are names and values that take the place of the scene's `<default>` parameters. Files that the scene
 /// refers to are looked up in the folder that holds it.
@@ -72,28 +75,15 @@ pub fn load_changed(
     source.import(defines).map(|imported| imported.description)
 }
 
-/// Reads a scene from memory: XML, JSON, glTF, GLB, MGF or pbrt that stands alone, or a zip archive.
+/// Reads a scene from memory: of one of the [`formats`] that stands alone, or a zip archive.
 ///
-/// An archive's scene file is the one that its comment names, `scene.xml`, `scene.json`, `scene.gltf`, `scene.glb`,
-/// `scene.mgf` or `scene.pbrt` at its top level, or else the only file there with one of these extensions. `name` is what errors call the file. See [`load_file`] for `defines`.
+/// An archive's scene file is the one that its comment names, the one at its top level with a format's standard name, or else the
+/// only file there with one of the formats' extensions. `name` is what errors call the file. See [`load_file`] for `defines`.
 ///
 /// # Errors
 /// As [`load_file`]; also when the archive is malformed or its scene file is missing or ambiguous.
 pub fn load_bytes(name: &str, bytes: &[u8], defines: &[(String, String)]) -> Result<SceneDescription, SceneError> {
     Source::from_bytes(name, bytes.into())?.import(defines).map(|imported| imported.description)
-}
-
-/// The formats of a scene file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Xml,
-    Ceng795,
-    Json,
-    Gltf,
-    Glb,
-    Mgf,
-    Pbrt,
-    Zip,
 }
 
 /// A scene file that was found and read, but not yet looked into.
@@ -126,6 +116,7 @@ impl Source {
 
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
+        substitution::refuse_repeated(defines, &location)?;
         let mut bundle = self.bundle.clone();
         let Changes { camera, environment, .. } = &self.changes;
         let camera = camera.as_deref();
@@ -195,33 +186,6 @@ fn read_source(path: &Path) -> Result<Source, SceneError> {
     Ok(Source { name, text: bytes, bundle: Bundle::Folder(folder.to_owned()), changes: Changes::default() })
 }
 
-/// Tells the format by how the file begins.
-fn format(bytes: &[u8], location: &Location) -> Result<Format, SceneError> {
-    if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
-        return Ok(Format::Zip);
-    }
-    if bytes.starts_with(gltf::MAGIC) {
-        return Ok(Format::Glb);
-    }
-    let text = without_byte_order_mark(bytes);
-    match text.trim_ascii_start().first() {
-        Some(b'<') if ceng795::is_ceng795(text) => Ok(Format::Ceng795),
-        Some(b'<') => Ok(Format::Xml),
-        Some(b'{') if gltf::is_gltf(text) => Ok(Format::Gltf),
-        Some(b'{') => Ok(Format::Json),
-        None => Err(SceneError::new(location, "the scene file is empty", "give a Mitsuba 3 scene")),
-        Some(_) if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") => {
-            Err(SceneError::new(location, "the scene file is UTF-16 text", "save it as UTF-8"))
-        }
-        Some(_) if mgf::is_mgf(text, &location.file) => Ok(Format::Mgf),
-        Some(_) if pbrt::is_pbrt(text, &location.file) => Ok(Format::Pbrt),
-        Some(_) => {
-            let remedy = "give a Mitsuba 3 scene as XML or as a JSON dictionary, a glTF scene, or a zip archive with one of them";
-            Err(SceneError::new(location, "this is neither XML, JSON, GLB nor a zip archive", remedy))
-        }
-    }
-}
-
 /// An archive that was unpacked, with the name of its scene file.
 struct Archive {
     bundle: Bundle,
@@ -232,38 +196,9 @@ impl Archive {
     fn open(bytes: &[u8], location: &Location) -> Result<Self, SceneError> {
         let bundle = Bundle::from_zip(bytes, location)?;
         let scene = scene_in_archive(bytes, bundle.names().iter().map(String::as_str)).map_err(|problem| {
-            SceneError::new(location, problem, "put one scene.xml or scene.json at the top level")
+            SceneError::new(location, problem, "put one scene file, such as scene.xml, at the top level")
         })?;
         Ok(Self { bundle, scene })
-    }
-}
-
-/// What the scene file of an archive may be called whatever stands beside it.
-const STANDARD_NAMES: [&str; 6] = ["scene.xml", "scene.json", "scene.gltf", "scene.glb", "scene.mgf", "scene.pbrt"];
-
-/// The scene file of an archive with files of these names: the one that its comment names, else [`scene_file`].
-///
-/// # Errors
-/// Why there is none.
-pub fn scene_in_archive<'a>(archive: &[u8], names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
-    match scene_in_comment(archive) {
-        Some(scene) if names.clone().any(|name| name == scene) => Ok(scene),
-        _ => scene_file(names),
-    }
-}
-
-/// The scene file among the names in an archive, or why there is none.
-fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
-    let top: Vec<&str> = names.filter(|name| !name.contains('/') && *name != changes::FILE).collect();
-    let extension = |name: &str| name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
-    let is_scene =
-        |name: &&str| matches!(extension(name).as_deref(), Some("xml" | "json" | "gltf" | "glb" | "mgf" | "pbrt"));
-    let preferred: Vec<&str> = top.iter().copied().filter(|name| STANDARD_NAMES.contains(name)).collect();
-    let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
-    match candidates.as_slice() {
-        [scene] => Ok((*scene).to_owned()),
-        [] => Err("the archive has no scene file at its top level".to_owned()),
-        several => Err(format!("the archive has several scene files at its top level: {}", several[..2].join(", "))),
     }
 }
 

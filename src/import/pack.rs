@@ -8,7 +8,8 @@ use std::sync::Arc;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{Format, STANDARD_NAMES, Source, format, read_source, scene_file};
+use super::formats::{format, scene_file, standard_name, standard_names};
+use super::{Source, read_source};
 use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, normalized_name, steps_up, without_common_folder};
 use crate::scene::error::{Location, SceneError};
 
@@ -115,24 +116,12 @@ fn name_in_archive(
     Ok(name.to_owned())
 }
 
-/// What a scene file is called in an archive that has others.
-pub(super) fn standard_name(format: Format) -> &'static str {
-    match format {
-        Format::Xml | Format::Ceng795 => "scene.xml",
-        Format::Gltf => "scene.gltf",
-        Format::Glb => "scene.glb",
-        Format::Mgf => "scene.mgf",
-        Format::Pbrt => "scene.pbrt",
-        Format::Json | Format::Zip => "scene.json",
-    }
-}
-
 /// What scenes are called that came without a name of their own.
 pub const UNNAMED: &str = "scene";
 
 /// What a packed scene may be called in messages instead of its file's name.
 pub fn packed_names() -> impl Iterator<Item = &'static str> {
-    std::iter::once(UNNAMED).chain(STANDARD_NAMES)
+    std::iter::once(UNNAMED).chain(standard_names())
 }
 
 /// A zip archive whose bytes depend on the files' names and contents only.

@@ -12,7 +12,7 @@
 use super::draft::Draft;
 use super::mitsuba_old::spectrum::{black_body, interpolate, reflectance_to_rgb, to_rgb};
 use super::values::{self, Refusal, shown};
-use crate::scene::bundle::without_byte_order_mark;
+use crate::scene::bundle::text_of;
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::{SceneError, nearest_name};
 
@@ -84,7 +84,7 @@ pub(super) fn of_number(number: f64, purpose: Purpose) -> [f64; 3] {
 
 /// The content of a spectrum's file: a wavelength and a value on each line.
 pub(super) fn file(content: &[u8], purpose: Purpose) -> Result<Value, Refusal> {
-    let content = String::from_utf8_lossy(without_byte_order_mark(content));
+    let content = text_of(content);
     let lines = content.lines().map(str::trim).filter(|line| !line.starts_with('#'));
     pairs(lines, ' ', purpose).map(Value::Rgb)
 }

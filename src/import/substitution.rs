@@ -1,6 +1,6 @@
 //! `$name` in attributes: `<default>` parameters and the values that a user defines from outside.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use super::values::shown;
 use crate::scene::error::{Location, SceneError, nearest_name};
@@ -22,6 +22,20 @@ struct Parameter {
     /// Defined from outside: beats `<default>`.
     defined: bool,
     used: bool,
+}
+
+/// Refuses a parameter that is defined twice, as Mitsuba does.
+///
+/// # Errors
+/// The first such parameter.
+pub(super) fn refuse_repeated(defines: &[(String, String)], location: &Location) -> Result<(), SceneError> {
+    let mut seen = HashSet::new();
+    match defines.iter().find(|(name, _)| !seen.insert(name)) {
+        Some((name, _)) => {
+            Err(SceneError::new(location, format!("parameter {} is defined twice", shown(name)), "define it once"))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Refuses defines for a format without parameters; `remedy` says what to do instead.

@@ -19,16 +19,16 @@
 use std::sync::Arc;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings, Paths, photon_techniques};
+use super::bounded_numbers::bounded;
 use super::parameter_values::{
     All, Auto, Depth, Emission, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch, Weights,
-    bounded,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{
     CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, SHOW, STRATEGY,
     SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
-use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
+use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show};
 use crate::transport::kernel::Kernel;
@@ -48,7 +48,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
 
 bounded! {
     /// A number of nearest photons, 0 for all.
-    struct Nearest(u32), "0, 2 to 65536", |number| number == 0 || 2 <= number && number <= 65_536
+    struct Nearest(u32), [0, 2 to 65536]
 }
 
 parameters! {
@@ -113,6 +113,10 @@ impl ParameterizedMethod for Parameters {
 
     fn may_guide_photons(&self) -> bool {
         self.emission != Emission::Power
+    }
+
+    fn finds_nothing(&self) -> Option<FindsNothing> {
+        self.settings().finds_nothing()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

@@ -7,12 +7,15 @@ use super::parameter_values::{
     All, Auto, Depth, Emission, LightPicks, PathLength, RouletteDepth, Subpaths, Switch, limits,
 };
 use super::visibility_pilot::LightSampling;
-use super::{PreparedMethod, Strategy};
+use super::{FindsNothing, PreparedMethod, Strategy};
 use crate::scene::Scene;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
 use crate::transport::kernel::Kernel;
 use crate::transport::light_trials::SamplingVertices;
+
+/// The longest path that a strategy may be given of, in segments.
+const LONGEST: u32 = 65_535;
 
 /// What passes of these methods do.
 #[derive(Clone, Copy, Debug)]
@@ -112,6 +115,53 @@ impl PassSettings {
             pairs.map(move |[light, camera]| Strategy { segments, light, camera })
         };
         lengths.filter(|segments| limits.allows(*segments)).flat_map(of_length).collect()
+    }
+
+    /// Why no path counts, if `length` and `strategy` leave none.
+    pub fn finds_nothing(&self) -> Option<FindsNothing> {
+        let Self { limits, selection, .. } = *self;
+        if let (Some(length), Some(limit)) = (selection.length, limits.max_depth)
+            && length > limit
+        {
+            let problem = format!("\"length\" is {length}, and \"max_depth\" allows {limit} segments");
+            return Some(FindsNothing { problem, remedy: format!("give a length of at most {limit}") });
+        }
+        match (selection.strategy, selection.length) {
+            (None, None) => None,
+            (None, Some(length)) => {
+                let found = length == 1 || self.techniques.strategies(length).next().is_some();
+                let problem = format!("no paths of {length} segments are found");
+                let remedy = "switch a way of finding them on".to_owned();
+                (!found).then_some(FindsNothing { problem, remedy })
+            }
+            (Some(strategy), _) => (!self.finds(strategy)).then(|| self.no_such_strategy(strategy)),
+        }
+    }
+
+    /// Whether any path has the strategy, of the length and within the limit.
+    fn finds(&self, [light, camera]: [u32; 2]) -> bool {
+        let vertices = u64::from(light) + u64::from(camera);
+        // Connected vertices make one segment fewer, merged ones as many.
+        let lengths =
+            [vertices.saturating_sub(1), vertices].map(|segments| u32::try_from(segments).unwrap_or(u32::MAX));
+        lengths.into_iter().any(|segments| {
+            let counts = self.limits.allows(segments) && self.selection.takes(segments, light, camera);
+            counts && segments <= LONGEST && self.techniques.strategies(segments).any(|pair| pair == [light, camera])
+        })
+    }
+
+    fn no_such_strategy(&self, [light, camera]: [u32; 2]) -> FindsNothing {
+        let Self { techniques, limits, selection, .. } = *self;
+        let vertices = u64::from(light) + u64::from(camera);
+        let nearest = vertices.clamp(3, 6) as u32 - 1;
+        let segments = selection.length.unwrap_or(limits.max_depth.map_or(nearest, |limit| nearest.min(limit)));
+        let known: Vec<String> =
+            techniques.strategies(segments).take(8).map(|[light, camera]| format!("{light},{camera}")).collect();
+        let of_length = selection.length.map_or(String::new(), |length| format!(" of {length} segments"));
+        FindsNothing {
+            problem: format!("no path{of_length} is found with the strategy {light},{camera}"),
+            remedy: format!("those of {segments} segments are {}", known.join(" ")),
+        }
     }
 }
 

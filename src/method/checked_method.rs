@@ -48,8 +48,22 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
         None
     }
 
+    /// Why no path at all counts, if so.
+    fn finds_nothing(&self) -> Option<FindsNothing> {
+        None
+    }
+
     /// Prepares it for a scene.
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod>;
+}
+
+/// Parameters that together leave no path that counts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FindsNothing {
+    /// What is wrong with them.
+    pub problem: String,
+    /// What to give instead.
+    pub remedy: String,
 }
 
 /// What a method gathers in discs around what pixels see, and what becomes of the discs.

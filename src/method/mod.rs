@@ -5,6 +5,7 @@ pub mod bdpm;
 pub mod bdpt;
 pub mod bidirectional_pass;
 pub mod bidirectional_settings;
+mod bounded_numbers;
 pub mod checked_method;
 pub mod gather_ends;
 pub mod light_tracing;
@@ -36,7 +37,7 @@ use crate::transport::Counters;
 pub use crate::scene::light::emission_guide::MOST_VALUES as MOST_GUIDE_VALUES;
 pub use crate::scene::light::visibility::MOST_VALUES as MOST_VISIBILITY_VALUES;
 
-pub use checked_method::{CheckedMethod, Gathering, ParameterizedMethod};
+pub use checked_method::{CheckedMethod, FindsNothing, Gathering, ParameterizedMethod};
 pub use parameters::ParameterHelp;
 
 /// One method of the table.
@@ -262,8 +263,17 @@ pub fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
 }
 
 /// Checks a choice against the table. `pixels` is the picture's size, from which `photons_per_pass: auto` follows.
+///
+/// # Errors
+/// An unknown method, parameters that it cannot take, and such that leave no path to find.
 pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
-    CheckedMethod::new(choice, pixels)
+    let method = CheckedMethod::new(choice, pixels)?;
+    match method.parameters.finds_nothing() {
+        Some(FindsNothing { problem, remedy }) => {
+            Err(MethodError::Parameter { method: method.entry.name, problem, remedy })
+        }
+        None => Ok(method),
+    }
 }
 
 /// The strategies of a choice: of the paths that it looks at, else of all from 2 to `longest` segments.

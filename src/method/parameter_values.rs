@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::bounded_numbers::bounded;
 use super::parameters::ParameterValue;
 use crate::estimate::RadiusRule;
 use crate::transport::Limits;
@@ -42,78 +43,33 @@ impl<T> All<T> {
     }
 }
 
-/// Declares a type of numbers in a range: `Name(number type), "range as shown", |number| whether it lies in the range`.
-macro_rules! bounded {
-    ($(#[$attribute:meta])* $visibility:vis struct $name:ident($type:ty), $range:literal, |$number:ident| $within:expr) => {
-        $(#[$attribute])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
-        $visibility struct $name($type);
-
-        impl $name {
-            /// `None` for what is out of range.
-            $visibility const fn new($number: $type) -> Option<Self> {
-                if $within { Some(Self($number)) } else { None }
-            }
-
-            /// The number.
-            $visibility const fn get(self) -> $type {
-                self.0
-            }
-        }
-
-        impl serde::Serialize for $name {
-            fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-                self.0.serialize(serializer)
-            }
-        }
-
-        impl<'de> serde::Deserialize<'de> for $name {
-            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                let refused = || serde::de::Error::custom(concat!("allowed: ", $range));
-                Self::new(<$type>::deserialize(deserializer)?).ok_or_else(refused)
-            }
-        }
-
-        impl $crate::method::parameters::ParameterValue for $name {
-            const RANGE: &'static str = $range;
-        }
-    };
-}
-pub(super) use bounded;
-
 bounded! {
     /// A share that is neither nothing nor all.
-    pub struct OpenUnit(f64), "above 0, below 1", |number| 0.0 < number && number < 1.0
+    pub struct OpenUnit(f64), [above 0, below 1]
 }
 bounded! {
     /// Passes of a job.
-    pub struct Passes(u32), "1 to 2147483648", |number| 1 <= number && number <= 1 << 31
+    pub struct Passes(u32), [1 to 2147483648]
 }
 bounded! {
     /// Photons, or light subpaths, of a pass.
-    pub struct PhotonCount(u32), "1 to 67108864", |number| 1 <= number && number <= 1 << 26
+    pub struct PhotonCount(u32) or Auto, [1 to 67108864]
 }
 bounded! {
     /// A radius, m, whose square single precision holds.
-    pub struct Radius(f64), "above 0", |number| number as f32 > 0.0 && (number as f32 * number as f32).is_normal()
+    pub struct Radius(f64) or Auto, [1e-18 to 1e18]
 }
 bounded! {
     /// The longest path in segments, or −1.
-    pub struct Depth(i64), "1 to 2147483648, -1 for unlimited", |number| {
-        number == -1 || 1 <= number && number <= 1 << 31
-    }
+    pub struct Depth(i64), [1 to 2147483648, -1 for unlimited]
 }
 bounded! {
     /// Segments from which Russian roulette may end a path.
-    pub struct RouletteDepth(i64), "1 or more", |number| number >= 1
+    pub struct RouletteDepth(u32), [1 to 2147483648]
 }
 bounded! {
     /// The segments of a path.
-    pub struct PathLength(u32), "1 to 65535", |number| 1 <= number && number <= 65_535
-}
-
-impl ParameterValue for Auto<PhotonCount> {
-    const RANGE: &'static str = "1 to 67108864, auto";
+    pub struct PathLength(u32) or All, [1 to 65535]
 }
 
 impl Auto<PhotonCount> {
@@ -140,10 +96,6 @@ pub fn one_per_pixel(pixels: u64) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX)
 }
 
-impl ParameterValue for Auto<Radius> {
-    const RANGE: &'static str = "above 0, auto";
-}
-
 impl Auto<Radius> {
     /// The radius in single precision, m.
     pub fn meters(self) -> Auto<f32> {
@@ -156,14 +108,7 @@ impl Auto<Radius> {
 
 /// Limits on path length.
 pub fn limits(max_depth: Depth, rr_depth: RouletteDepth) -> Limits {
-    Limits {
-        max_depth: u32::try_from(max_depth.get()).ok(),
-        rr_depth: u32::try_from(rr_depth.get()).unwrap_or(u32::MAX),
-    }
-}
-
-impl ParameterValue for All<PathLength> {
-    const RANGE: &'static str = "1 to 65535, all";
+    Limits { max_depth: u32::try_from(max_depth.get()).ok(), rr_depth: rr_depth.get() }
 }
 
 /// A way of finding paths, "s,t" to users: vertices of the light and of the camera subpath.

@@ -26,7 +26,7 @@ use super::shared_parameters::{
     ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE,
     SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
-use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
+use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
 use crate::estimate::RadiusRule;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show};
@@ -101,6 +101,10 @@ impl ParameterizedMethod for Parameters {
 
     fn may_guide_photons(&self) -> bool {
         self.emission != Emission::Power
+    }
+
+    fn finds_nothing(&self) -> Option<FindsNothing> {
+        self.settings().finds_nothing()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

@@ -44,10 +44,9 @@ use rayon::prelude::*;
 
 use local_pass::LocalPass;
 
+use super::bounded_numbers::bounded;
 use super::gather_ends::GatherEnds;
-use super::parameter_values::{
-    Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits,
-};
+use super::parameter_values::{Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, limits};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
 use super::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
@@ -82,12 +81,12 @@ pub const ENTRY: MethodEntry = MethodEntry {
 
 bounded! {
     /// k, photons in a look-up.
-    struct Neighbors(u32), "2 to 65536", |number| 2 <= number && number <= 65_536
+    struct Neighbors(u32), [2 to 65536]
 }
 
 bounded! {
     /// Gather rays of a camera path.
-    struct GatherRays(u32), "0 to 1024", |number| number <= 1024
+    struct GatherRays(u32), [0 to 1024]
 }
 
 parameters! {

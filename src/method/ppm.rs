@@ -21,9 +21,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
+use super::bounded_numbers::bounded;
 use super::parameter_values::{
-    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, bounded,
-    limits,
+    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, PhotonPasses, PhotonsOf, add_to_tally};
@@ -66,7 +66,7 @@ pub const ENTRY: MethodEntry = MethodEntry {
 
 bounded! {
     /// A number of camera paths per pixel.
-    struct Samples(u32), "1 to 64", |number| 1 <= number && number <= 64
+    struct Samples(u32), [1 to 64]
 }
 
 parameters! {

@@ -1,6 +1,7 @@
 //! The files of a scene: a folder on disk, or an archive in memory. No path leads out of an archive. On one's own machine
 //! names may lead above the scene's folder by `..`, as in Mitsuba; links still may not leave the folder that a name leads to.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Cursor, Read};
@@ -332,6 +333,11 @@ fn read_inside(folder: &Path, path: &Path, name: &str, location: &Location) -> R
 /// A text file without the byte order mark of UTF-8, which some editors write at its beginning.
 pub fn without_byte_order_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// What a text file says, without the byte order mark; what is no UTF-8, as in comments of other encodings, is replaced.
+pub fn text_of(bytes: &[u8]) -> Cow<'_, str> {
+    String::from_utf8_lossy(without_byte_order_mark(bytes))
 }
 
 /// The bytes of a regular file; nothing when it is larger than 1 GiB.

@@ -45,28 +45,20 @@ fn remedy_suffix(remedy: &str) -> String {
 impl SceneError {
     /// An error at `location`.
     pub fn new(location: &Location, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        let [problem, remedy] = [problem.into(), remedy.into()].map(with_short_numbers);
-        Self { location: location.clone(), problem, remedy }
+        Self { location: location.clone(), problem: problem.into(), remedy: remedy.into() }
     }
 }
 
-/// A message in which no number has hundreds of digits: long ones are written with an exponent.
-fn with_short_numbers(text: String) -> String {
+/// A number as messages write it: with an exponent where it would have more than 20 digits.
+pub fn shown_number(number: impl fmt::Display + fmt::LowerExp) -> String {
     const LONGEST: usize = 20;
-    let is_digit = |letter: char| letter.is_ascii_digit() || letter == '.';
-    let mut short = String::with_capacity(text.len());
-    let mut rest = text.as_str();
-    while let Some(start) = rest.find(is_digit) {
-        let (before, number) = rest.split_at(start);
-        let (number, after) = number.split_at(number.find(|letter| !is_digit(letter)).unwrap_or(number.len()));
-        short.push_str(before);
-        match number.parse::<f64>() {
-            Ok(value) if number.len() > LONGEST && value.is_finite() => short.push_str(&format!("{value:e}")),
-            _ => short.push_str(number),
-        }
-        rest = after;
-    }
-    short + rest
+    let digits = number.to_string();
+    if digits.len() > LONGEST { format!("{number:e}") } else { digits }
+}
+
+/// Three numbers as messages write them.
+pub fn shown_numbers(numbers: [impl fmt::Display + fmt::LowerExp; 3]) -> String {
+    numbers.map(shown_number).join(", ")
 }
 
 /// The known name closest to `name`, as a remedy: `did you mean "…"?`, or the list of known names when none is close.
@@ -78,6 +70,11 @@ pub fn nearest_name(name: &str, known: &[&str]) -> String {
         None if known.len() <= LISTED => format!("known names: {}", known.join(", ")),
         None => format!("known names: {}, … ({} in all)", known[..LISTED].join(", "), known.len()),
     }
+}
+
+/// The remedy for a name that nothing defines: the known name closest to it, or, where none is known, how to `define` one.
+pub fn nearest_defined_name(name: &str, known: &[&str], define: &str) -> String {
+    if known.is_empty() { define.to_owned() } else { nearest_name(name, known) }
 }
 
 /// The candidate that `name` is most likely a misspelling of, if any is close.

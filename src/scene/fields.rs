@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DMat4, DVec3};
 
 use super::description::{Child, Node, PluginClass, Value};
-use super::error::{Location, SceneError, nearest_name};
+use super::error::{Location, SceneError, nearest_name, shown_numbers};
 
 /// Reads the parameters of one [`Node`]; call [`Fields::finish`] when all have been asked for.
 pub struct Fields<'a> {
@@ -133,7 +133,7 @@ impl<'a> Fields<'a> {
             Some(other) => return Err(self.wrong_type(name, other, "rgb")),
         };
         if rgb.iter().any(|channel| !channel.is_finite() || *channel < 0.0) {
-            let problem = format!("\"{name}\" is {}, {}, {}", rgb[0], rgb[1], rgb[2]);
+            let problem = format!("\"{name}\" is {}", shown_numbers(rgb));
             return Err(self.error(name, problem, "give three finite numbers of at least 0"));
         }
         Ok(Some(rgb))

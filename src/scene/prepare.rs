@@ -106,7 +106,7 @@ impl Scene {
         let sensor = fields.child(PluginClass::Sensor).ok_or_else(|| {
             SceneError::new(&root.location, "the scene has no sensor", "add <sensor type=\"perspective\">")
         })?;
-        let (film, camera, around) = read_sensor(sensor)?;
+        let (film, mut camera, around) = read_sensor(sensor)?;
         let mut camera_medium = around.map(|node| builder.medium(node)).transpose()?;
         let asked = fields.child(PluginClass::Integrator).map(|node| integrator::read(node)).transpose()?;
         let asked = asked.unwrap_or_default();
@@ -136,6 +136,7 @@ impl Scene {
         notices.extend(asked.notices.iter().map(ToString::to_string));
         let (geometry, members) = Geometry::build(shapes);
         let mut geometry = instancing.add_to(geometry);
+        camera.stand_outside(geometry.bounding_sphere());
         let mut lights = Vec::new();
         place_area_lights(&mut geometry, &members, area_lights, &mut lights);
         let lights =
@@ -284,13 +285,15 @@ impl<'a> Builder<'a> {
 
 fn read_sensor(node: &Node) -> Result<(Film, Camera, Option<&Arc<Node>>), SceneError> {
     let mut fields = Fields::new(node);
-    let film = match fields.child(PluginClass::Film) {
+    let mut film = match fields.child(PluginClass::Film) {
         Some(film) => film::read(film)?,
         None => Film::default(),
     };
     // Mitsuba's random number source: read and not used.
     fields.child(PluginClass::Sampler);
     let camera = camera::read(&mut fields, film.whole)?;
+    // Beyond the edges of one pixel is nothing else to see.
+    film.samples_border &= !camera.is_distant();
     let medium = fields.child(PluginClass::Medium);
     fields.finish()?;
     Ok((film, camera, medium))

@@ -14,7 +14,7 @@ const UNSUPPORTED: &[(&str, &[&str], &str)] = &[
         "polarization is not rendered: use a bsdf without it",
     ),
     ("texture", &["volume"], "use a bitmap"),
-    ("sensor", &["irradiancemeter", "distant"], "use an orthographic or perspective sensor of a few pixels"),
+    ("sensor", &["irradiancemeter"], "use an orthographic or perspective sensor of a few pixels"),
 ];
 
 /// The error about a plugin that is none of the `known` ones of its class.

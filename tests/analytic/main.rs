@@ -10,6 +10,7 @@ mod scene_text;
 mod shape_text;
 
 mod directional_area_lights;
+mod distant_sensor;
 mod film;
 mod filters;
 mod first_surface;

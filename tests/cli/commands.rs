@@ -10,6 +10,7 @@ use command_line::{ended, program, run};
 use exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{LAYERS, PictureMetadata, encode_exr, write_file};
+use photonfarm::import::formats;
 
 /// A port on which nothing listens: the discard port of this machine.
 const NOBODY: &str = "http://127.0.0.1:9";
@@ -36,6 +37,15 @@ fn help_tells_the_exit_codes() {
     let output = run(&["--help"]);
     assert!(output.status.success());
     assert!(stdout(&output).contains("the coordinator cannot be reached"));
+}
+
+#[test]
+fn help_tells_all_formats_of_scenes() {
+    for command in [["render"].as_slice(), &["submit"], &["scene", "check"], &["import"], &["plan"]] {
+        let help = stdout(&run(&[command, &["--help"]].concat()));
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(help.contains(&formats::told()), "{help}");
+    }
 }
 
 #[test]
@@ -99,7 +109,47 @@ fn compare_tells_what_cannot_be_compared() {
 fn an_unwritable_output_is_told_before_rendering() {
     let stderr = failure(&run(&["render", SCENE, "-o", "no/such/folder/a.exr"]), 5);
     assert!(stderr.contains("no/such/folder/a.exr") && stderr.contains("create the folder"), "{stderr}");
-    assert!(failure(&run(&["render", SCENE, "-o", "a.jpg"]), 3).contains(".exr or .png"));
+}
+
+/// What is asked for and cannot be is told before anything is rendered, as wrong usage.
+#[test]
+fn outputs_that_do_not_fit_their_options_are_wrong_usage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [exr, png] = ["a.exr", "a.png"].map(|name| folder.path().join(name).to_string_lossy().into_owned());
+    let refused = |options: &[&str]| failure(&run(&[["render", SCENE].as_slice(), options].concat()), 2);
+    assert!(refused(&["-o", "a.jpg"]).contains(".exr or .png"));
+    let layers = refused(&["-o", &png, "--layers", "depth"]);
+    assert!(layers.contains("--layers goes into EXR files, and none is written"), "{layers}");
+    let exposure = refused(&["-o", &exr, "--exposure", "1"]);
+    assert!(exposure.contains("--exposure changes PNG files, and none is written"), "{exposure}");
+    let fetch = failure(&run(&["fetch", "job", "-o", &png, "--layers", "depth", "--coordinator", NOBODY]), 2);
+    assert!(fetch.contains("--layers goes into EXR files"), "{fetch}");
+    assert!(!Path::new(&exr).exists() && !Path::new(&png).exists());
+}
+
+/// The last one of a name would win without a word.
+#[test]
+fn what_is_given_twice_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = folder.path().join("a.exr").to_string_lossy().into_owned();
+    let render = |options: &[&str], code| {
+        failure(&run(&[["render", SCENE, "-o", output.as_str()].as_slice(), options].concat()), code)
+    };
+    for options in [
+        ["--set", "length=3", "--set", "length=4"],
+        ["--set", "length=3", "--set", "length=3"],
+        ["--set", "length=3", "--length", "4"],
+        ["--set", "strategy=0,3", "--strategy", "1,2"],
+    ] {
+        let told = render(&[["--method", "bdpt"].as_slice(), &options].concat(), 2);
+        assert!(told.contains("\" is given twice; give it once"), "{told}");
+    }
+    // Mitsuba refuses the second value of a parameter, too.
+    let told = render(&["-D", "size=16", "-D", "size=32"], 3);
+    assert!(told.contains("scene.xml: parameter \"size\" is defined twice; define it once"), "{told}");
+    let plan = ["plan", SCENE, "--set", "alpha=0.5", "--set", "alpha=0.6"];
+    assert!(failure(&run(&plan), 2).contains("\"alpha\" is given twice"));
+    assert!(!Path::new(&output).exists());
 }
 
 #[test]
@@ -203,8 +253,31 @@ fn scene_check_tells_what_a_scene_contains_and_what_was_left_out() {
     let document: serde_json::Value =
         serde_json::from_slice(&run(&["scene", "check", &scene, "--json"]).stdout).expect("JSON");
     assert_eq!(document["contents"]["shapes"]["obj"], 1);
+    assert_eq!(document["contents"]["media"], serde_json::json!({}));
     assert_eq!(document["import_report"][0]["treatment"], "ignored");
 }
+
+#[test]
+fn scene_check_tells_media() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("fog.xml");
+    std::fs::write(&scene, FOG).expect("writes");
+    let scene = scene.to_string_lossy();
+    let text = stdout(&run(&["scene", "check", &scene]));
+    assert!(text.contains("media      2: 1 heterogeneous, 1 homogeneous"), "{text}");
+    let document: serde_json::Value =
+        serde_json::from_slice(&run(&["scene", "check", &scene, "--json"]).stdout).expect("JSON");
+    assert_eq!(document["contents"]["media"], serde_json::json!({"heterogeneous": 1, "homogeneous": 1}));
+}
+
+/// Three shapes with two media, of which one is shared.
+const FOG: &str =
+    "<scene version='3.0.0'><integrator type='volpath'/><sensor type='perspective'/><emitter type='constant'/>
+    <medium type='homogeneous' id='fog'/>
+    <shape type='sphere'><bsdf type='null'/><ref id='fog' name='interior'/></shape>
+    <shape type='sphere'><point name='center' x='3'/><bsdf type='null'/><ref id='fog' name='interior'/></shape>
+    <shape type='cube'><bsdf type='null'/><medium name='interior' type='heterogeneous'>
+    <volume name='albedo' type='constvolume'><float name='value' value='0.5'/></volume></medium></shape></scene>";
 
 #[test]
 fn plan_tells_what_a_scene_needs_and_who_is_fastest() {
@@ -253,6 +326,6 @@ fn import_writes_the_native_form_and_its_files() {
     assert!(run(&["import", &scene, "-o", &target("scene.json")]).status.success());
     std::fs::write(target("parts/a.obj"), "v 0 0 0\n").expect("writes");
     assert!(failure(&run(&["import", &scene, "-o", &target("scene.json")]), 5).contains("other contents"));
-    assert!(failure(&run(&["import", &scene, "-o", "scene.xml"]), 3).contains(".json or .zip"));
+    assert!(failure(&run(&["import", &scene, "-o", "scene.xml"]), 2).contains(".json or .zip"));
     failure(&run(&["import", &scene]), 2);
 }

@@ -131,7 +131,7 @@ fn charts_are_written_by_the_end_of_their_names() {
         assert!(std::fs::read(path).expect("is there").starts_with(start), "{}", path.display());
     }
     let jpg = place("a.jpg");
-    assert!(failure(&[&chart[..], &[text(&jpg)]].concat(), 3).contains(".html, .svg or .png"));
+    assert!(failure(&[&chart[..], &[text(&jpg)]].concat(), 2).contains(".html, .svg or .png"));
     let html = text(&outputs[0]);
     assert!(failure(&["chart", text(&results), "-o", html, "--peers", "none.csv"], 5).contains("none.csv"));
     assert!(failure(&["chart", text(&results), "-o", html, "--target", "0"], 3).contains("--target"));

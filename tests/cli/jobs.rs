@@ -52,6 +52,15 @@ async fn jobs_are_copied_changed_found_and_deleted() {
     printed(&url, &["change", &copy, "--tag", "day"]);
     printed(&url, &["pause", &copy]);
     assert_eq!(names(&url, &["jobs"]), ["first", "second", "first"]);
+    // This coordinator has no worker, and a paused job does not wait for one.
+    let states = || -> Vec<String> {
+        let listed = printed(&url, &["jobs"]);
+        listed.lines().map(|line| line.split('\t').nth(1).expect("a state").to_owned()).collect()
+    };
+    let start = std::time::Instant::now();
+    while states() != ["queued, no worker", "paused", "queued, no worker"] {
+        assert!(start.elapsed().as_secs() < 10, "{:?}", states());
+    }
     assert_eq!(names(&url, &["jobs", "--tag", "night", "--limit", "1"]), ["first"]);
     assert_eq!(names(&url, &["jobs", "--state", "paused"]), ["second"]);
     assert_eq!(names(&url, &["jobs", "--name", "first", "--after", &first]), ["first"]);

@@ -681,6 +681,31 @@ fn changes_travel_with_the_scene() {
     assert!(load_changed(&path, &[], &nobody).expect_err("no such camera").to_string().contains("there is no camera"));
 }
 
+/// Cameras without names are told by their indices alone.
+#[test]
+fn cameras_without_names_are_listed_by_index() {
+    let told = |cameras: &str, wanted: &str| {
+        let text = format!("<scene version='3.0.0'>{cameras}<shape type='sphere'/><emitter type='constant'/></scene>");
+        let changes = Changes { camera: Some(wanted.to_owned()), ..Changes::default() };
+        let packed = with_changes(text.as_bytes(), &changes).expect("packs");
+        load_bytes("a.xml", &packed, &[]).expect_err("no such camera").to_string()
+    };
+    let (plain, named) = ("<sensor type='perspective'/>", "<sensor type='perspective' id='front'/>");
+    for (cameras, expected) in [
+        ([plain, plain].concat(), "there is no camera \"2\"; there are 0, 1"),
+        ([plain, named].concat(), "there is no camera \"2\"; there are 0, 1 \"front\""),
+        (plain.to_owned(), "there is no camera \"2\"; the only one is 0"),
+        (
+            plain.repeat(25),
+            "there is no camera \"25\"; there are 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, … (25 in all)",
+        ),
+    ] {
+        let wanted = if cameras.len() > 200 { "25" } else { "2" };
+        let found = told(&cameras, wanted);
+        assert!(found.ends_with(expected), "{found}");
+    }
+}
+
 #[test]
 fn cameras_are_chosen_by_name_and_index() {
     let camera = |name: &str, x: i32| json!({"name": name, "camera": 0, "translation": [x, 0, 0]});

@@ -1,5 +1,8 @@
 //! What is said of scenes that cannot be rendered as they are: short, and with a remedy that fits.
 
+use std::path::Path;
+
+use photonfarm::import::formats::{self, FORMATS};
 use photonfarm::import::load_bytes;
 use photonfarm::scene::Scene;
 use photonfarm::scene::bundle::{Bundle, Files};
@@ -49,6 +52,41 @@ fn numbers_in_messages_are_short() {
     assert!(sphere("-1e300").contains("\"radiance\" is -1e300, -1e300, -1e300"), "{}", sphere("-1e300"));
     assert!(sphere("-1e-300").contains("is -1e-300"), "{}", sphere("-1e-300"));
     assert!(sphere("-12").contains("is -12, -12, -12"), "{}", sphere("-12"));
+}
+
+/// Help, errors and pages tell the same formats.
+#[test]
+fn all_formats_are_told() {
+    let page = |name: &str| {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(name);
+        std::fs::read_to_string(path).expect("the page is there")
+    };
+    let (rest, scenes) = (page("REST.md"), page("SCENES.md"));
+    let told = formats::told();
+    let refused = error("a.txt", "What is this?", Files::new());
+    assert!(refused.ends_with(&format!("; give {told}")), "{refused}");
+    for format in FORMATS {
+        assert!(told.contains(format.name) && rest.contains(format.name), "{}", format.name);
+        assert!(scenes.contains(&format!("`{}`", format.standard_name)), "{}", format.name);
+    }
+}
+
+/// Only what is a number is shortened: names stand as their owner wrote them.
+#[test]
+fn names_of_digits_stay_as_they_are() {
+    let digits = "1234567890123456789012345678901234567890";
+    let text = format!(
+        "<scene version='3.0.0'><sensor type='perspective'/><emitter type='constant'/>
+        <shape type='ply'><string name='filename' value='{digits}.ply'/></shape></scene>"
+    );
+    let found = error("a.xml", &text, Files::from([("other".to_owned(), b"".as_slice().into())]));
+    assert!(found.contains(&format!("\"{digits}.ply\"")), "{found}");
+    let text = format!(
+        "<scene version='3.0.0'><sensor type='perspective'/><emitter type='constant'/>
+        <shape type='sphere'><float name='r{digits}' value='1'/></shape></scene>"
+    );
+    let found = error("a.xml", &text, Files::new());
+    assert!(found.contains(&format!("\"r{digits}\"")), "{found}");
 }
 
 #[test]

@@ -236,7 +236,7 @@ fn mgf_is_told_from_other_formats() {
     assert_eq!(pack(&folder.path().join("a.MGF"), &[]).expect("packs"), text.as_bytes());
     for other in ["v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "# nothing\n", "hello\n"] {
         let error = load_bytes("scene", other.as_bytes(), &[]).expect_err(other).to_string();
-        assert!(error.contains("neither"), "{error}");
+        assert!(error.contains("none of the formats that are read"), "{error}");
     }
     // The default camera sees the ball in the middle of the picture.
     let scene = Scene::prepare(&scene).unwrap_or_else(|error| panic!("{error}"));

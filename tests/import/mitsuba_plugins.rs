@@ -58,6 +58,8 @@ const VALUES: &[(&str, &str, &str)] = &[
     ("area", "radiance", "<rgb name='radiance' value='3, 2, 1'/>"),
     ("constvolume", "value", "<float name='value' value='0.3'/>"),
     ("sunsky", "albedo", "<rgb name='albedo' value='0.8'/>"),
+    ("distant", "direction", "<vector name='direction' x='0.1' z='-1'/>"),
+    ("distant", "target", "<point name='target' x='0.3'/>"),
     ("radiancemeter", "origin", METER),
     ("radiancemeter", "direction", METER),
     ("timed_sunsky", "albedo", "<rgb name='albedo' value='0.8'/>"),
@@ -303,7 +305,7 @@ fn outcome(class: PluginClass, title: &str, plugin: &str, given: &str) -> Result
         }
         PluginClass::Sensor => {
             sensor = node("sensor", "").replace("</sensor>", "FILM</sensor>");
-            if plugin == "radiancemeter" {
+            if ["distant", "radiancemeter"].contains(&plugin) {
                 film = one_pixel();
             }
         }
@@ -478,6 +480,29 @@ fn the_tables_of_mitsuba_plugins_say_what_happens() {
         }
     }
     assert!(checked > 250, "only {checked} parameters");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Whatever number stands in whatever parameter, no message has hundreds of digits.
+#[test]
+fn numbers_in_messages_are_short_for_every_parameter() {
+    let (mut refused, mut wrong) = (0, Vec::new());
+    for class in CLASSES {
+        for Plugin { name, parameters, .. } in class.plugins {
+            for (parameter, _) in each(class.parameters).chain(each(parameters)) {
+                for (tag, number) in [("float", "1e300"), ("float", "-1e-300"), ("rgb", "-1e300")] {
+                    let given = format!("<{tag} name='{parameter}' value='{number}'/>");
+                    let Err(error) = outcome(class.class, class.title, name, &given) else { continue };
+                    refused += 1;
+                    let runs = error.split(|letter: char| !letter.is_ascii_digit());
+                    if runs.map(str::len).max() > Some(20) {
+                        wrong.push(error);
+                    }
+                }
+            }
+        }
+    }
+    assert!(refused > 300, "only {refused} errors");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 

@@ -329,7 +329,12 @@ fn pbrt_errors_name_file_line_and_remedy() {
         (world("Shape \"sphere\" \"float radius\" nan"), "\"nan\" is not a finite number"),
         (world("Shape \"sphere\" \"float radius\" -1"), "\"radius\" is -1; give a number above 0"),
         (world("Shape \"sphere"), "scene.pbrt:3: the string \"sphere\" has no end"),
-        (world("NamedMaterial \"gold\""), "no material \"gold\" was made before"),
+        (world("NamedMaterial \"gold\""), "no material \"gold\" was made before; make it with MakeNamedMaterial first"),
+        (
+            world("MakeNamedMaterial \"gold\" \"string type\" \"conductor\"\nNamedMaterial \"golf\""),
+            "no material \"golf\" was made before; did you mean \"gold\"?",
+        ),
+        (world("MediumInterface \"fog\" \"\""), "there is no medium \"fog\"; make it with MakeNamedMedium first"),
         (world("ObjectInstance \"tree\""), "there is no object \"tree\""),
         (world("AttributeEnd"), "scene.pbrt:3 (AttributeEnd): nothing is open that it ends; remove it"),
         (world("AttributeBegin\nTransformEnd"), "scene.pbrt:4 (TransformEnd): AttributeEnd must come before it"),
@@ -341,7 +346,10 @@ fn pbrt_errors_name_file_line_and_remedy() {
             world("Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 3 ]"),
             "index 3 in a mesh of 3 points",
         ),
-        (world("Material \"diffuse\" \"texture reflectance\" \"wood\""), "there is no texture \"wood\""),
+        (
+            world("Material \"diffuse\" \"texture reflectance\" \"wood\""),
+            "there is no texture \"wood\" of this type; define it with Texture first",
+        ),
         (world("Shape \"plymesh\" \"string filename\" \"../a.ply\""), "leads upwards"),
         (world("Shape \"plymesh\" \"string filename\" \"a.ply.gz\""), "there is no file \"a.ply.gz\""),
         (world("Film \"rgb\""), "scene.pbrt:3 (Film): it stands after WorldBegin"),
@@ -372,6 +380,34 @@ fn pbrt_losses_are_told() {
     for notice in expected {
         assert!(told.contains(notice), "{told}");
     }
+}
+
+#[test]
+fn pbrt_parameters_that_nobody_asked_for_are_told_with_what_was_meant() {
+    let text = "Material \"diffuse\" \"rgb reflectanse\" [ 0.1 0.2 0.3 ]\nShape \"sphere\" \"float radios\" 3 \"float zmix\" 1\n\
+        LightSource \"point\" \"rgb L\" 3\nAreaLightSource \"diffuse\" \"bool twosidet\" true\n";
+    let told = notices(&world(text));
+    for notice in [
+        "parameter \"reflectanse\" of material \"diffuse\" is ignored: did you mean \"reflectance\"?",
+        "parameter \"radios\" of shape \"sphere\" is ignored: did you mean \"radius\"?",
+        "parameter \"twosidet\" of area light \"diffuse\" is ignored: did you mean \"twosided\"?",
+    ] {
+        assert!(told.contains(notice), "no {notice} in {told}");
+    }
+}
+
+/// pbrt looks from the last parameter on.
+#[test]
+fn the_last_pbrt_parameter_of_a_name_counts() {
+    let scene = world("Shape \"sphere\" \"float radius\" 3 \"float radius\" 2");
+    assert!(
+        of_class(&scene, PluginClass::Shape)[0].contains("radius=2.000"),
+        "{:?}",
+        of_class(&scene, PluginClass::Shape)
+    );
+    let told = notices(&scene);
+    let expected = "parameter \"radius\" of shape \"sphere\" is ignored: a later one of this name counts";
+    assert!(told.contains(expected), "{told}");
 }
 
 /// pbrt's equirectangular mapping: column x of the picture looks towards longitude 2π x from +x to +z, row y to the polar angle π y from +y.

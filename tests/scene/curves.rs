@@ -5,7 +5,9 @@ use crate::scene_files;
 use crate::rendered::rendered;
 use std::sync::Arc;
 
+use photonfarm::math::Vec3;
 use photonfarm::scene::Scene;
+use photonfarm::scene::geometry::Ray;
 use scene_files::prepare;
 
 const CURVES: &str = "-0.8 -0.5 0 0.1\n0 -0.4 0 0.2\n0.3 -0.6 0.2 0.15\n0.8 -0.5 0 0.1\n\n-0.9 0.2 0 0.05\n-0.4 0.8 0.1 0.1\n\
@@ -85,6 +87,43 @@ fn agreement_of_curves_with_mitsuba() {
     }
 }
 
+/// A tube along x from -1 to 1 (a B-spline) or -2 to 2, of radius 0.5, and where Mitsuba 3.9.1 meets it from outside; from inside,
+/// and through an open end, it meets nothing.
+#[test]
+fn curves_are_met_from_outside_only() {
+    const TUBE: &str = "-2 0 0 0.5\n-1 0 0 0.5\n0 0 0 0.5\n1 0 0 0.5\n2 0 0 0.5\n";
+    let rays = [
+        ("bsplinecurve", [0.0, 0.0, 5.0], [0.0, 0.0, -1.0], Some(4.5)),
+        ("bsplinecurve", [-5.0, 0.0, 0.2], [1.0, 0.0, 0.0], None),
+        ("bsplinecurve", [-5.0, 0.0, 0.2], [1.0, 0.0, 0.05], None),
+        ("bsplinecurve", [0.0, 0.1, 0.2], [0.3, 0.1, 1.0], None),
+        ("bsplinecurve", [-3.0, 0.0, 0.0], [1.0, 0.0, 0.2], None),
+        ("linearcurve", [0.0, 0.0, 5.0], [0.0, 0.0, -1.0], Some(4.5)),
+        ("linearcurve", [-3.0, 0.0, 0.0], [1.0, 0.0, 0.2], Some(0.51054)),
+        ("linearcurve", [0.0, 0.1, 0.2], [0.3, 0.1, 1.0], None),
+    ];
+    for (plugin, origin, direction, expected) in rays {
+        let scene = scene(plugin, "", TUBE).expect("a good scene");
+        let ray = Ray::new(Vec3::from_array(origin), Vec3::from_array(direction).normalize());
+        let found = scene.geometry.intersect(&ray).map(|hit| hit.distance);
+        assert_eq!(scene.geometry.is_blocked(&ray), expected.is_some(), "{plugin} {origin:?} {direction:?}");
+        match (found, expected) {
+            (Some(found), Some(expected)) => assert!((found - expected).abs() < 0.02, "{found} for {expected}"),
+            _ => assert_eq!(found, expected, "{plugin} {origin:?} {direction:?}"),
+        }
+    }
+}
+
+/// They have no other outside, and no flat sides: Mitsuba's curves know no such parameters.
+#[test]
+fn curves_take_no_parameters_of_meshes() {
+    for name in ["flip_normals", "face_normals", "flip_tex_coords"] {
+        let parameter = format!("<boolean name='{name}' value='true'/>");
+        let found = scene("bsplinecurve", &parameter, CURVES).err().unwrap_or_else(|| panic!("{name} is no error"));
+        assert!(found.contains(&format!("has no parameter \"{name}\"")), "{found}");
+    }
+}
+
 #[test]
 fn the_approximation_is_told() {
     let scene = scene("linearcurve", "", CURVES).expect("a good scene");
@@ -139,7 +178,7 @@ fn plugins_that_are_not_rendered() {
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='distant'/>"),
-            "sensor \"distant\" is not supported; use an ortho",
+            "the film of a distant sensor has 768 × 576 pixels; give it one of width 1 and height 1",
         ),
         (
             format!("{light}<shape type='sphere'/><sensor type='radiancemeter'/>"),

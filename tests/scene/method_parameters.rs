@@ -43,15 +43,18 @@ fn probes(range: &str) -> (Vec<Value>, Vec<Value>) {
     for part in range.split(", ") {
         let part = part.split(" for ").next().expect("split yields at least one part");
         if let Some((low, high)) = part.split_once(" to ") {
-            let [low, high] = [low, high].map(|number| number.parse::<i64>().expect("a number"));
-            within.extend([json!(low), json!(high)]);
-            outside.extend([json!(high + 1), json!(high as f64 + 0.5), json!(low.to_string())]);
+            outside.extend([json!(low.to_string()), json!(1e300), json!(u64::MAX), json!(i64::MIN)]);
+            let [Ok(low), Ok(high)] = [low, high].map(str::parse::<i64>) else {
+                let [low, high] = [low, high].map(|number| number.parse::<f64>().expect("a number"));
+                within.extend([json!(low), json!(high), json!(1)]);
+                outside.extend([json!(low * 0.9), json!(high * 1.1), json!(0), json!(-low)]);
+                continue;
+            };
+            // 1e3 is a whole number as well as 1000.
+            within.extend([json!(low), json!(high), json!(low as f64), json!(high as f64)]);
+            outside.extend([json!(high + 1), json!((high + 1) as f64), json!(high as f64 + 0.5)]);
             // Zero and −1 may have a meaning of their own.
             outside.extend((!range.contains(&format!("{}", low - 1)) && low != 2).then(|| json!(low - 1)));
-        } else if let Some(low) = part.strip_suffix(" or more") {
-            let low = low.parse::<i64>().expect("a number");
-            within.extend([json!(low), json!(i64::MAX)]);
-            outside.push(json!(low - 1));
         } else if let Some(low) = part.strip_prefix("above ") {
             let low = low.parse::<f64>().expect("a number");
             within.push(json!(low + 0.125));
@@ -69,6 +72,46 @@ fn probes(range: &str) -> (Vec<Value>, Vec<Value>) {
     (within, outside)
 }
 
+/// A picture of no paths would be black without a word.
+#[test]
+fn lengths_and_strategies_that_leave_nothing() {
+    let refused = |method: &str, parameters: Value, expected: &str| {
+        let given = parameters.as_object().expect("an object").clone();
+        let error = checked(method, given).err().unwrap_or_else(|| panic!("{method} {parameters} is taken"));
+        assert_eq!(error.to_string(), format!("method \"{method}\": {expected}"));
+    };
+    for method in ["path", "light_tracing", "bdpt", "bdpm", "pbdpm", "vcm"] {
+        let longer = "\"length\" is 5, and \"max_depth\" allows 3 segments; give a length of at most 3";
+        refused(method, json!({"length": 5, "max_depth": 3}), longer);
+        for taken in [json!({"length": 3, "max_depth": 3}), json!({"length": 1})] {
+            let given = taken.as_object().expect("an object").clone();
+            assert!(checked(method, given).is_ok(), "{method} {taken}");
+        }
+    }
+    let off = json!({"length": 3, "light_sampling": "off", "material_sampling": "off"});
+    refused("path", off, "no paths of 3 segments are found; switch a way of finding them on");
+    let of = |strategy: &str, remedy: &str| format!("no path is found with the strategy {strategy}; those of {remedy}");
+    refused("bdpt", json!({"strategy": "0,0"}), &of("0,0", "2 segments are 0,3 1,2 2,1"));
+    refused("bdpt", json!({"strategy": "4,0"}), &of("4,0", "3 segments are 0,4 1,3 2,2 3,1"));
+    refused("bdpt", json!({"strategy": "1,1"}), &of("1,1", "2 segments are 0,3 1,2 2,1"));
+    refused("bdpt", json!({"strategy": "3,3", "max_depth": 2}), &of("3,3", "2 segments are 0,3 1,2 2,1"));
+    refused("bdpt", json!({"strategy": "40000,40000"}), &of("40000,40000", "5 segments are 0,6 1,5 2,4 3,3 4,2 5,1"));
+    refused(
+        "bdpt",
+        json!({"strategy": "4294967295,4294967295"}),
+        &of("4294967295,4294967295", "5 segments are 0,6 1,5 2,4 3,3 4,2 5,1"),
+    );
+    let hits = json!({"strategy": "1,2", "connect": "off", "merge": "off"});
+    refused("vcm", hits, &of("1,2", "2 segments are 0,3"));
+    let longer = json!({"strategy": "3,1", "connect": "off", "max_depth": 3});
+    refused("vcm", longer, &of("3,1", "3 segments are 0,4 1,2 2,1"));
+    let other_length = "no path of 3 segments is found with the strategy 2,1; those of 3 segments are 0,4 1,3 2,2 3,1";
+    refused("bdpt", json!({"strategy": "2,1", "length": 3}), other_length);
+    for (method, strategy) in [("bdpt", "0,2"), ("bdpt", "1,2"), ("bdpm", "1,1"), ("pbdpm", "2,3"), ("vcm", "2,1")] {
+        assert!(with(method, "strategy", json!(strategy)).is_ok(), "{method} {strategy}");
+    }
+}
+
 #[test]
 fn ranges_are_what_help_says() {
     let mut seen = 0;
@@ -81,7 +124,8 @@ fn ranges_are_what_help_says() {
             let written = &found.choice.parameters[parameter.name];
             // How many photons `auto` is follows from the picture's size alone, so it is written out as a number.
             let expected = if value == "auto" && parameter.name == "photons_per_pass" { json!(PIXELS) } else { value };
-            assert_eq!(*written, expected, "{method} writes out what was given");
+            let same = *written == expected || (written.is_number() && written.as_f64() == expected.as_f64());
+            assert!(same, "{method} writes {written} for {expected}");
             seen += 1;
         }
         for value in outside {

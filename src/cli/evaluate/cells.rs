@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::cli::exit_code::CliError;
-use crate::cli::job_options::setting;
+use crate::cli::job_options::{parameters, setting};
 use crate::cli::terminal;
 use crate::estimate::Picture;
 use crate::estimate::picture_files::{encode_png, write_file};
@@ -49,8 +49,9 @@ pub(super) fn methods(texts: &[String], references: &[Reference]) -> Result<Vec<
     for label in texts {
         let mut parts = label.split(':');
         let name = parts.next().unwrap_or_default().to_owned();
-        let parameters = parts.map(setting).collect::<Result<_, _>>();
-        let parameters = parameters.map_err(|error| CliError::BadInput(format!("method \"{label}\": {error}")))?;
+        let settings = parts.map(setting).collect::<Result<Vec<_>, _>>();
+        let settings = settings.map_err(|error| CliError::BadInput(format!("method \"{label}\": {error}")))?;
+        let parameters = parameters(settings)?;
         let choice = MethodChoice { name, parameters };
         for reference in references {
             check(&choice, reference)?;

@@ -13,6 +13,11 @@ use crate::farm::method_choice::AUTO;
 use crate::farm::rules::roster::WorkerRecord;
 use crate::farm::rules::terms::MeasuredError;
 
+/// For how long no worker may be there before jobs say so in their notices: those of a farm that starts are on their way.
+const PATIENCE: Duration = Duration::from_secs(2);
+/// What a job says for as long as no worker is there.
+const NO_WORKER: &str = "No worker is connected: the job waits until one joins (photonfarm worker).";
+
 impl State {
     /// How a job is doing now.
     pub(super) fn status(&self, job: &JobRecord, clock: &Clock) -> JobStatus {
@@ -30,6 +35,7 @@ impl State {
         workers.dedup();
         let waits = !progress.has_ended() && progress.state != JobState::Paused;
         let deserted = self.rules.deserted_since().filter(|_| waits);
+        let no_worker = deserted.filter(|since| now.saturating_sub(*since) >= PATIENCE).map(|_| NO_WORKER.to_owned());
         JobStatus {
             state: progress.state,
             error: progress.error.clone(),
@@ -47,7 +53,7 @@ impl State {
             shards_mismatched: progress.checks.mismatched,
             shards_unchecked: progress.checks.unchecked,
             estimated_error: totals.error.map(estimated_error),
-            notices: progress.terms.notices.clone(),
+            notices: progress.terms.notices.iter().cloned().chain(no_worker).collect(),
             picture_version: totals.shards,
             ..facts.status()
         }

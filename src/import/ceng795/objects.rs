@@ -14,7 +14,7 @@ use super::mesh::{Vertices, unit_sphere};
 use super::transformation::Transformations;
 use crate::scene::bundle::Generated;
 use crate::scene::description::PluginClass;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 use crate::scene::notice::Notice;
 
 /// The most triangles that the scene file may make, without those in files of their own.
@@ -207,7 +207,7 @@ impl<'a> Objects<'a> {
                 .with_transform("to_world", to_world));
         }
         if radius <= 0.0 {
-            return Err(object.error(format!("the radius is {radius}"), "write a number above 0"));
+            return Err(object.error(format!("the radius is {}", shown_number(radius)), "write a number above 0"));
         }
         let sphere = unit_sphere();
         let triangles = sphere.triangles.len();

@@ -19,7 +19,7 @@ use std::f64::consts::PI;
 use super::super::notices::Notices;
 use super::super::values::shown;
 use super::element::Element;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 
 /// The forms of the specular term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -126,7 +126,9 @@ fn exponent(element: &Element<'_>) -> Result<f64, SceneError> {
     let exponent = element.number()?;
     match exponent >= 0.0 {
         true => Ok(exponent),
-        false => Err(element.error(format!("the exponent is {exponent}"), "write a number of at least 0")),
+        false => {
+            Err(element.error(format!("the exponent is {}", shown_number(exponent)), "write a number of at least 0"))
+        }
     }
 }
 

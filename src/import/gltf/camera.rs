@@ -8,7 +8,7 @@ use super::super::transform::look_at;
 use super::Output;
 use super::entry::Entry;
 use crate::scene::description::{PluginClass, Value};
-use crate::scene::error::{Location, SceneError};
+use crate::scene::error::{Location, SceneError, shown_number};
 use crate::scene::notice::Notice;
 
 /// Half a turn about y: from what looks along +z to what looks along -z.
@@ -81,7 +81,7 @@ fn read(camera: &Entry<'_>, to_world: DMat4, output: &mut Output) -> Result<Opti
 /// The largest picture of an aspect ratio (width over height) that fits into the default one.
 fn film(aspect: f64, lens: &Entry<'_>) -> Result<Draft, SceneError> {
     if !(aspect > 0.0 && aspect.is_finite()) {
-        return Err(lens.error(format!("the aspectRatio is {aspect}"), "give width divided by height"));
+        return Err(lens.error(format!("the aspectRatio is {}", shown_number(aspect)), "give width divided by height"));
     }
     let width = FILM[0].min(FILM[1] * aspect);
     let side = |pixels: f64| Value::Integer(pixels.round().max(1.0) as i64);

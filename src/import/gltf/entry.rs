@@ -2,7 +2,7 @@
 
 use super::super::json_text::Json;
 use crate::scene::bundle::without_byte_order_mark;
-use crate::scene::error::{Location, SceneError};
+use crate::scene::error::{Location, SceneError, shown_number};
 
 /// The longest JSON text that is read, bytes: the tree in memory takes many times its size.
 const TEXT_LIMIT: usize = 64 << 20;
@@ -151,7 +151,7 @@ impl<'a> Entry<'a> {
             _ => format!("give a number from {least} to {most}"),
         };
         let place = Location { path: self.path_of(key), ..self.location() };
-        Err(SceneError::new(&place, format!("\"{key}\" is {number}"), remedy))
+        Err(SceneError::new(&place, format!("\"{key}\" is {}", shown_number(number)), remedy))
     }
 
     fn as_number(&self) -> Result<f64, SceneError> {

@@ -10,7 +10,7 @@ use super::texture::{Images, Meaning, Slot, Textures};
 use super::transmission::{Transmission, interior, thin_wall};
 use super::{Input, Output, extensions, specular_glossiness, unlit};
 use crate::scene::description::{PluginClass, Value};
-use crate::scene::error::{Location, SceneError};
+use crate::scene::error::{Location, SceneError, shown_number};
 use crate::scene::notice::Notice;
 
 /// glTF's index of refraction, where a material gives none.
@@ -392,7 +392,7 @@ fn thick_glass<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Res
         Some(arguments) => arguments.number("ior")?.unwrap_or(DEFAULT_INDEX),
         None => DEFAULT_INDEX,
     };
-    let explanation = format!("a smooth clear dielectric of index {index} takes its place");
+    let explanation = format!("a smooth clear dielectric of index {} takes its place", shown_number(index));
     textures.output.notices.add(Notice::approximated(&material.location(), "MDL's thick_glass", explanation));
     let glass = Draft::new(PluginClass::Bsdf, "dielectric", &material.location());
     Ok(Some(glass.with("int_ior", Value::Float(index))))

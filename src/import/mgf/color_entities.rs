@@ -3,7 +3,7 @@
 use super::Reader;
 use super::color::Color;
 use super::text::Entity;
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 
 impl Reader<'_> {
     /// Follows `cxy`, `cspec`, `cct` or `cmix`. Whether the result is a color that things can have is asked when they get it.
@@ -17,7 +17,11 @@ impl Reader<'_> {
                 entity.check_count(1, 1, "cct kelvin")?;
                 match entity.number(0)? {
                     kelvin if kelvin >= 100.0 => Color::from_temperature(kelvin),
-                    kelvin => return Err(entity.error(format!("a black body of {kelvin} K"), "give at least 100 K")),
+                    kelvin => {
+                        return Err(
+                            entity.error(format!("a black body of {} K", shown_number(kelvin)), "give at least 100 K")
+                        );
+                    }
                 }
             }
             "cspec" => {

@@ -2,7 +2,7 @@
 
 use super::color::{Color, GREY};
 use super::text::Entity;
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 
 /// One component: how much light, of which color, and how rough the surface is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,5 +122,6 @@ fn at_most_one(entity: &Entity<'_>) -> Result<f64, SceneError> {
     if amount <= 1.0 {
         return Ok(amount);
     }
-    Err(entity.error(format!("a share of {amount} makes light out of nothing"), "give a number from 0 to 1"))
+    Err(entity
+        .error(format!("a share of {} makes light out of nothing", shown_number(amount)), "give a number from 0 to 1"))
 }

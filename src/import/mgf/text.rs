@@ -1,8 +1,8 @@
 //! An MGF file as lines of words, and what a line's words must be.
 
 use super::super::values::shown;
-use crate::scene::bundle::without_byte_order_mark;
-use crate::scene::error::{Location, SceneError};
+use crate::scene::bundle::text_of;
+use crate::scene::error::{Location, SceneError, shown_number};
 
 /// The text of one file, cut into entities.
 pub(super) struct Text {
@@ -18,7 +18,7 @@ impl Text {
     /// left out.
     pub(super) fn new(name: &str, bytes: &[u8]) -> Self {
         // The format is ASCII; comments in other encodings do no harm.
-        let text = String::from_utf8_lossy(without_byte_order_mark(bytes)).into_owned();
+        let text = text_of(bytes).into_owned();
         let mut lines = Vec::new();
         let (mut number, mut start) = (0, 0);
         let mut open: Option<(u32, usize)> = None;
@@ -108,7 +108,7 @@ impl<'a> Entity<'a> {
         if number >= 0.0 {
             return Ok(number);
         }
-        Err(self.error(format!("{number} is negative"), "give a number of at least 0"))
+        Err(self.error(format!("{} is negative", shown_number(number)), "give a number of at least 0"))
     }
 
     /// Three finite numbers from `first` on.

@@ -3,7 +3,7 @@
 use super::super::draft::{Draft, Target};
 use super::{Outcome, Translation};
 use crate::scene::description::{PluginClass, Value};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 
 /// `ldrfilm`: pictures are linear here, and PNG files are sRGB whatever the film says.
 pub(super) fn tone_mapped_film(mut draft: Draft, translation: &mut Translation) -> Result<Outcome, SceneError> {
@@ -14,8 +14,8 @@ pub(super) fn tone_mapped_film(mut draft: Draft, translation: &mut Translation) 
     if reinhard {
         translation.ignored(&draft, "Reinhard's tone mapping", "PNG files are not tone mapped");
     } else if exposure != 0.0 {
-        let remedy = format!("PNG files are written with it by --exposure {exposure}");
-        translation.ignored(&draft, format!("the exposure of {exposure} stops"), remedy);
+        let remedy = format!("PNG files are written with it by --exposure {}", shown_number(exposure));
+        translation.ignored(&draft, format!("the exposure of {} stops", shown_number(exposure)), remedy);
     }
     for name in ["gamma", "key", "burn"] {
         draft.take(name);

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::super::values::{self, Refusal, shown};
 use super::super::xml_element::Attributes;
 use super::spectrum;
-use crate::scene::bundle::without_byte_order_mark;
-use crate::scene::error::{Location, SceneError};
+use crate::scene::bundle::text_of;
+use crate::scene::error::{Location, SceneError, shown_number};
 
 /// The tags of colors.
 pub(in super::super) const TAGS: [&str; 4] = ["rgb", "srgb", "spectrum", "blackbody"];
@@ -46,7 +46,7 @@ pub(in super::super) fn read(
         ("spectrum", Some(text), None) => rgb(text).map(plain).map_err(refused),
         ("spectrum", None, Some(name)) => {
             let content = file(name)?;
-            let text = String::from_utf8_lossy(without_byte_order_mark(&content));
+            let text = text_of(&content);
             let lines = text.lines().filter(|line| !line.trim_start().starts_with('#'));
             points(lines).map_err(refused)
         }
@@ -95,7 +95,7 @@ fn black_body(attributes: &Attributes<'_>) -> Result<Color, Refusal> {
     };
     let temperature = values::float(text.trim().trim_end_matches(['k', 'K']))?;
     if !(temperature > 0.0 && temperature.is_finite()) {
-        return Err((format!("the temperature is {temperature} K"), remedy));
+        return Err((format!("the temperature is {} K", shown_number(temperature)), remedy));
     }
     let scale = attributes.get("scale").or_else(|| attributes.get("multiplier")).map_or(Ok(1.0), values::float)?;
     let rgb = spectrum::to_rgb(|wavelength| spectrum::black_body(wavelength, temperature));

@@ -21,7 +21,12 @@ pub(super) const SENSORS: Class = Class {
             "each of its sensors is a camera by itself (`--camera`), as wide as its part of the film",
             &[passed_over("to_world", "its sensors have their own")],
         ),
-        Plugin::refused("distant"),
+        Plugin::new(
+            "distant",
+            Support::Same,
+            "a shape as `target` is refused; a point is a disc of 10⁻⁵ of the scene's radius",
+            &[same("to_world direction target")],
+        ),
         Plugin::refused("irradiancemeter"),
         Plugin::same("orthographic", &[same("to_world"), CLIP, passed_over("focus_distance", "all depths are sharp")]),
         Plugin::same(

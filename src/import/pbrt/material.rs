@@ -9,7 +9,7 @@ use super::parameters::{Parameters, Values};
 use super::spectrum::{self, Purpose};
 use super::texture::{ColorOrTexture, Textures};
 use crate::scene::description::PluginClass;
-use crate::scene::error::{Location, SceneError, nearest_name};
+use crate::scene::error::{Location, SceneError, nearest_defined_name, nearest_name, shown_number};
 
 /// A material that shapes may have.
 #[derive(Clone, Debug)]
@@ -266,7 +266,7 @@ impl Reader<'_, '_> {
             let own = self.textures.number(self.parameters, &format!("{prefix}{axis}roughness"))?;
             Ok(match own.unwrap_or_else(|| common.clone()) {
                 ColorOrTexture::Color([roughness, ..]) if !(0.0..=100.0).contains(&roughness) => {
-                    let problem = format!("a roughness of {roughness}");
+                    let problem = format!("a roughness of {}", shown_number(roughness));
                     return Err(SceneError::new(place, problem, "give a number from 0 to 1"));
                 }
                 ColorOrTexture::Color([roughness, ..]) if remap => ColorOrTexture::Color([roughness.sqrt(); 3]),
@@ -304,7 +304,8 @@ pub(super) fn find<'a>(
         let mut known: Vec<&str> = named.keys().map(String::as_str).filter(|name| name.len() < 80).collect();
         known.sort_unstable();
         let problem = format!("no material {} was made before", shown(name));
-        SceneError::new(&parameters.place, problem, nearest_name(name, &known))
+        let remedy = nearest_defined_name(name, &known, "make it with MakeNamedMaterial first");
+        SceneError::new(&parameters.place, problem, remedy)
     })
 }
 

@@ -8,7 +8,7 @@ use super::output::Output;
 use super::parameters::Parameters;
 use super::spectrum::{self, Purpose};
 use crate::scene::description::PluginClass;
-use crate::scene::error::{Location, SceneError, nearest_name};
+use crate::scene::error::{Location, SceneError, nearest_defined_name};
 
 /// Absorption and scattering of a homogeneous medium, m⁻¹, where it gives none.
 const ABSORPTION: [f64; 3] = [0.0011, 0.0024, 0.014];
@@ -76,7 +76,8 @@ impl Media {
         }
         self.ids.get(name).cloned().ok_or_else(|| {
             let known: Vec<&str> = self.ids.keys().map(String::as_str).collect();
-            SceneError::new(place, format!("there is no medium {}", shown(name)), nearest_name(name, &known))
+            let remedy = nearest_defined_name(name, &known, "make it with MakeNamedMedium first");
+            SceneError::new(place, format!("there is no medium {}", shown(name)), remedy)
         })
     }
 

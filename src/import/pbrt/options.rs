@@ -9,7 +9,7 @@ use super::medium::MediumId;
 use super::output::{Output, with_integer};
 use super::parameters::Parameters;
 use crate::scene::description::PluginClass;
-use crate::scene::error::{Location, SceneError, nearest_name};
+use crate::scene::error::{Location, SceneError, nearest_name, shown_number};
 
 /// A directive with its first string.
 pub(super) struct Directive {
@@ -82,7 +82,7 @@ impl Options {
             match parameters.integer(name)?.unwrap_or(default) {
                 pixels if (1..=1 << 28).contains(&pixels) => Ok(pixels),
                 pixels => {
-                    let problem = format!("\"{name}\" is {pixels}");
+                    let problem = format!("\"{name}\" is {}", shown_number(pixels));
                     Err(SceneError::new(&parameters.place, problem, "give a number of pixels above 0"))
                 }
             }
@@ -126,13 +126,21 @@ impl Options {
                 let stddev = parameters.float("sigma")?.unwrap_or(0.5);
                 if (radius - 4.0 * stddev).abs() > 1.01 * stddev {
                     let instead = "it ends at four standard deviations";
-                    output.approximated(place, format!("a gaussian filter of radius {radius}"), instead);
+                    output.approximated(
+                        place,
+                        format!("a gaussian filter of radius {}", shown_number(radius)),
+                        instead,
+                    );
                 }
                 plugin("gaussian", place).with_float("stddev", stddev)
             }
             "mitchell" => {
                 if radius != 2.0 {
-                    output.approximated(place, format!("a mitchell filter of radius {radius}"), "its radius is 2");
+                    output.approximated(
+                        place,
+                        format!("a mitchell filter of radius {}", shown_number(radius)),
+                        "its radius is 2",
+                    );
                 }
                 let [b, c] = ["B", "C"].map(|name| parameters.float(name));
                 let third = 1.0 / 3.0;
@@ -142,8 +150,13 @@ impl Options {
                 let tau = parameters.float("tau")?.unwrap_or(3.0);
                 let lobes = tau.round();
                 if tau != lobes || radius != lobes {
-                    let subject = format!("a sinc filter of radius {radius} and tau {tau}");
-                    output.approximated(place, subject, format!("a lanczos filter of {lobes} lobes takes its place"));
+                    let subject =
+                        format!("a sinc filter of radius {} and tau {}", shown_number(radius), shown_number(tau));
+                    output.approximated(
+                        place,
+                        subject,
+                        format!("a lanczos filter of {} lobes takes its place", shown_number(lobes)),
+                    );
                 }
                 with_integer(plugin("lanczos", place), "lobes", lobes as i64)
             }

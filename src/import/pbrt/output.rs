@@ -8,7 +8,7 @@ use super::super::gzip;
 use super::super::notices::Notices;
 use super::super::values::shown;
 use super::mesh::Mesh;
-use super::parameters::{Parameter, Parameters};
+use super::parameters::{Parameter, Parameters, Unused};
 use crate::scene::bundle::{Bundle, Generated};
 use crate::scene::description::{PluginClass, Value};
 use crate::scene::error::{Location, SceneError};
@@ -81,8 +81,8 @@ impl<'a> Output<'a> {
     /// # Errors
     /// When too much of the scene cannot be represented.
     pub(super) fn report_unused(&mut self, what: &str, parameters: &Parameters) -> Result<(), SceneError> {
-        for Parameter { name, place, .. } in parameters.unused() {
-            self.ignored(place, format!("parameter {} of {what}", shown(name)), "");
+        for Unused { parameter: Parameter { name, place, .. }, explanation } in parameters.unused() {
+            self.ignored(place, format!("parameter {} of {what}", shown(name)), explanation);
         }
         if self.subjects.len() < NOTICE_LIMIT {
             return Ok(());

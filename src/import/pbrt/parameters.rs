@@ -1,12 +1,13 @@
 //! Parameter lists: `"type name" [ values ]`, any number of times.
 
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeSet;
 
 use glam::DVec3;
 
 use super::super::values::shown;
 use super::text::{Token, Tokens};
-use crate::scene::error::{Location, SceneError, nearest_name};
+use crate::scene::error::{Location, SceneError, closest_name, nearest_name, shown_number};
 
 /// The types of parameters that are numbers.
 const NUMERIC: [&str; 14] = [
@@ -96,6 +97,15 @@ pub(super) struct Parameters {
     /// Where the directive stands.
     pub place: Location,
     list: Vec<Parameter>,
+    /// The names of parameters that were asked for and not given.
+    wanted: RefCell<BTreeSet<String>>,
+}
+
+/// A parameter that nobody asked for.
+pub(super) struct Unused<'a> {
+    pub parameter: &'a Parameter,
+    /// Why, or which name was meant; may be empty.
+    pub explanation: String,
 }
 
 impl Parameters {
@@ -104,7 +114,9 @@ impl Parameters {
         let mut list = Vec::new();
         loop {
             let here = tokens.place(&place.path);
-            let Some(declaration) = tokens.next_if_quoted()? else { return Ok(Self { place, list }) };
+            let Some(declaration) = tokens.next_if_quoted()? else {
+                return Ok(Self { place, list, wanted: RefCell::default() });
+            };
             let words: Vec<&str> = declaration.split_whitespace().collect();
             let [kind, name] = words[..] else {
                 let problem = format!("{} does not declare a parameter", shown(&declaration));
@@ -121,11 +133,15 @@ impl Parameters {
         }
     }
 
-    /// The parameter of this name, if it was given.
+    /// The parameter of this name, if it was given: as in pbrt, the last one.
     pub(super) fn find(&self, name: &str) -> Option<&Parameter> {
-        let found = self.list.iter().find(|parameter| parameter.name == name)?;
-        found.used.set(true);
-        Some(found)
+        let found = self.list.iter().rev().find(|parameter| parameter.name == name);
+        match found {
+            Some(found) => found.used.set(true),
+            None if self.list.is_empty() => {}
+            None => drop(self.wanted.borrow_mut().insert(name.to_owned())),
+        }
+        found
     }
 
     /// Whether it was given.
@@ -141,8 +157,19 @@ impl Parameters {
     }
 
     /// Those that nobody asked for.
-    pub(super) fn unused(&self) -> impl Iterator<Item = &Parameter> {
-        self.list.iter().filter(|parameter| !parameter.used.get())
+    pub(super) fn unused(&self) -> impl Iterator<Item = Unused<'_>> {
+        let unused = self.list.iter().filter(|parameter| !parameter.used.get());
+        unused.map(|parameter| Unused { parameter, explanation: self.explanation(&parameter.name) })
+    }
+
+    /// Why nobody asked for a parameter of this name, or which name was meant.
+    fn explanation(&self, name: &str) -> String {
+        if self.list.iter().any(|parameter| parameter.name == name && parameter.used.get()) {
+            return "a later one of this name counts".to_owned();
+        }
+        let wanted = self.wanted.borrow();
+        let meant = closest_name(name, wanted.iter().map(String::as_str));
+        meant.map_or(String::new(), |meant| format!("did you mean \"{meant}\"?"))
     }
 
     /// A number.
@@ -157,7 +184,7 @@ impl Parameters {
         if number.fract() == 0.0 && number.abs() < 1e15 {
             return Ok(Some(number as i64));
         }
-        Err(parameter.error(format!("{number} is not a whole number"), "write a whole number"))
+        Err(parameter.error(format!("{} is not a whole number", shown_number(number)), "write a whole number"))
     }
 
     /// True or false.

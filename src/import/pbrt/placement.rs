@@ -9,7 +9,7 @@ use super::text::Tokens;
 use super::texture::ColorOrTexture;
 use super::{Reader, material, named, string};
 use crate::scene::description::PluginClass;
-use crate::scene::error::{Location, SceneError, nearest_name};
+use crate::scene::error::{Location, SceneError, nearest_defined_name};
 
 /// What stands between `ObjectBegin` and `ObjectEnd`.
 pub(super) struct Object {
@@ -95,10 +95,7 @@ impl Reader<'_> {
         let Some(object) = self.objects.get(name) else {
             let known: Vec<&str> = self.objects.keys().map(String::as_str).filter(|name| name.len() < 80).collect();
             let problem = format!("there is no object {}", shown(name));
-            let remedy = match known.is_empty() {
-                true => "define it between ObjectBegin and ObjectEnd first".to_owned(),
-                false => nearest_name(name, &known),
-            };
+            let remedy = nearest_defined_name(name, &known, "define it between ObjectBegin and ObjectEnd first");
             return Err(SceneError::new(place, problem, remedy));
         };
         if object.shapes.is_empty() {

@@ -10,7 +10,7 @@ use super::mesh::Mesh;
 use super::output::{Output, is_compressed};
 use super::parameters::Parameters;
 use crate::scene::description::PluginClass;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 
 /// How many flat pieces take the place of a whole turn.
 const CORNERS: f64 = 96.0;
@@ -188,7 +188,7 @@ fn positive(parameters: &Parameters, name: &str, default: f64) -> Result<f64, Sc
     if number > 0.0 && number < 1e30 {
         return Ok(number);
     }
-    Err(SceneError::new(&parameters.place, format!("\"{name}\" is {number}"), "give a number above 0"))
+    Err(SceneError::new(&parameters.place, format!("\"{name}\" is {}", shown_number(number)), "give a number above 0"))
 }
 
 /// The angle that is swept about z, radians.

@@ -4,8 +4,8 @@ use super::super::mitsuba_old::spectrum::{black_body, interpolate, to_rgb};
 use super::super::values::shown;
 use super::output::Output;
 use super::parameters::{Parameter, Values};
-use crate::scene::bundle::without_byte_order_mark;
-use crate::scene::error::SceneError;
+use crate::scene::bundle::text_of;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::material::measured_metals::METALS;
 
 /// What a spectrum is for.
@@ -50,7 +50,8 @@ pub(super) fn read(parameter: &Parameter, purpose: Purpose, output: &mut Output<
         ("blackbody", _) => {
             let temperature = parameter.number()?;
             if temperature.is_nan() || temperature <= 0.0 {
-                return Err(parameter.error(format!("a black body of {temperature} K"), "give a temperature in K"));
+                return Err(parameter
+                    .error(format!("a black body of {} K", shown_number(temperature)), "give a temperature in K"));
             }
             match purpose {
                 Purpose::Emission => of_luminance_1(to_rgb(|wavelength| black_body(wavelength, temperature))),
@@ -134,7 +135,7 @@ fn named(parameter: &Parameter, name: &str, purpose: Purpose, output: &mut Outpu
     }
     let content = output.read(name, &parameter.place)?;
     output.includes.push((name.to_owned(), parameter.place.clone()));
-    let text = String::from_utf8_lossy(without_byte_order_mark(&content));
+    let text = text_of(&content);
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
     let numbers: Result<Vec<f64>, _> = lines.flat_map(str::split_whitespace).map(str::parse::<f64>).collect();
     match numbers {

@@ -15,7 +15,7 @@ use super::output::Output;
 use super::parameters::{Parameter, Parameters};
 use super::spectrum::{self, Purpose};
 use crate::scene::description::{PluginClass, Value};
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_defined_name, nearest_name};
 use crate::scene::texture::{Texture, TextureReader};
 
 /// The value of a parameter: the same everywhere, or varying over a surface.
@@ -128,7 +128,7 @@ impl Textures {
             let mut known: Vec<&str> = known.into_iter().filter(|name| name.len() < 80).collect();
             known.sort_unstable();
             let problem = format!("there is no texture {} of this type", shown(name));
-            parameter.error(problem, &nearest_name(name, &known))
+            parameter.error(problem, &nearest_defined_name(name, &known, "define it with Texture first"))
         })
     }
 

@@ -1,4 +1,4 @@
-//! Cameras: `perspective`, `thinlens`, `orthographic`, `spherical` and `radiancemeter` (see `meter`).
+//! Cameras: `perspective`, `thinlens`, `orthographic`, `spherical`, `radiancemeter` (see `meter`) and `distant`.
 //!
 //! | parameter | meaning | unit, range | default |
 //! |---|---|---|---|
@@ -17,13 +17,15 @@
 //! `spherical` (Mitsuba 0.6, pbrt) takes the same and sees all around: rows are latitudes from up to down, columns longitudes. The middle of
 //! the picture is forward, and its clip distances are along the rays.
 
+mod distant;
 mod meter;
+mod spherical;
 
 use std::f32::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::error::{SceneError, nearest_name};
+use super::error::{SceneError, nearest_name, shown_number};
 use super::fields::Fields;
 use super::geometry::Ray;
 use super::geometry::transform::{ToWorld, to_single};
@@ -31,11 +33,13 @@ use super::unsupported::unknown_plugin;
 use crate::math::{Vec2, warp};
 
 /// How directions become places of the film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 enum Projection {
     Perspective,
     Parallel,
     Spherical,
+    /// Parallel rays through a disc, all in one pixel.
+    Distant(distant::Target),
 }
 
 /// A camera, with or without a lens.
@@ -78,12 +82,20 @@ const CAMERAS: &[(&str, Projection)] = &[
     ("spherical", Projection::Spherical),
 ];
 
+/// Reads a camera of its own kind, for a whole film of so many pixels.
+type ReadCamera = fn(&mut Fields<'_>, [u32; 2]) -> Result<Camera, SceneError>;
+
 /// Reads a sensor's own parameters, for a whole film of `width` × `height` pixels; the film and sampler are read elsewhere.
 pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera, SceneError> {
     let plugin = fields.node().plugin.as_str();
-    if plugin == "radiancemeter" {
+    let of_one_pixel = match plugin {
+        "radiancemeter" => Some(meter::read as ReadCamera),
+        "distant" => Some(distant::read as ReadCamera),
+        _ => None,
+    };
+    if let Some(read) = of_one_pixel {
         shutter(fields)?;
-        return meter::read(fields, [width, height]);
+        return read(fields, [width, height]);
     }
     let Some((_, projection)) = CAMERAS.iter().find(|(name, _)| *name == plugin).copied() else {
         let known: Vec<&str> = CAMERAS.iter().map(|(name, _)| *name).collect();
@@ -95,6 +107,7 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
         Projection::Perspective => (half_extent(fields, width, height)?, principal_point(fields)?),
         Projection::Parallel => (half_film(&to_world, f64::from(width) / f64::from(height)), Vec2::ZERO),
         Projection::Spherical => (Vec2::new(PI, 0.5 * PI), Vec2::ZERO),
+        Projection::Distant(_) => (Vec2::ONE, Vec2::ZERO),
     };
     let (aperture_radius, focus_distance) = lens(fields, far)?;
     shutter(fields)?;
@@ -117,7 +130,8 @@ pub fn read(fields: &mut Fields<'_>, [width, height]: [u32; 2]) -> Result<Camera
 pub fn shutter(fields: &mut Fields<'_>) -> Result<[f64; 2], SceneError> {
     let [open, close] = [fields.float("shutter_open")?.unwrap_or(0.0), fields.float("shutter_close")?.unwrap_or(0.0)];
     if close < open {
-        let problem = format!("\"shutter_close\" is {close}, and \"shutter_open\" {open}");
+        let problem =
+            format!("\"shutter_close\" is {}, and \"shutter_open\" {}", shown_number(close), shown_number(open));
         return Err(fields.error("shutter_close", problem, "let the shutter close after it opens"));
     }
     Ok([open, close])
@@ -137,7 +151,7 @@ fn principal_point(fields: &mut Fields<'_>) -> Result<Vec2, SceneError> {
 fn positive(fields: &mut Fields<'_>, name: &'static str) -> Result<Option<f32>, SceneError> {
     match fields.float(name)? {
         Some(number) if number <= 0.0 => {
-            Err(fields.error(name, format!("\"{name}\" is {number}"), "give a number above 0"))
+            Err(fields.error(name, format!("\"{name}\" is {}", shown_number(number)), "give a number above 0"))
         }
         number => Ok(number.map(|number| number as f32)),
     }
@@ -149,7 +163,11 @@ fn clip(fields: &mut Fields<'_>) -> Result<(f32, f32), SceneError> {
     if near < far {
         return Ok((near, far));
     }
-    Err(fields.error("near_clip", format!("nothing lies between {near} and {far} m"), "set near_clip below far_clip"))
+    Err(fields.error(
+        "near_clip",
+        format!("nothing lies between {} and {} m", shown_number(near), shown_number(far)),
+        "set near_clip below far_clip",
+    ))
 }
 
 fn lens(fields: &mut Fields<'_>, far: f32) -> Result<(f32, f32), SceneError> {
@@ -174,7 +192,7 @@ pub fn half_extent(fields: &mut Fields<'_>, width: u32, height: u32) -> Result<V
     if !(fov > 0.0 && fov < 180.0) {
         return Err(fields.error(
             "fov",
-            format!("\"fov\" is {fov} degrees"),
+            format!("\"fov\" is {} degrees", shown_number(fov)),
             "give an angle between 0 and 180 degrees",
         ));
     }
@@ -235,6 +253,10 @@ impl Camera {
                 let origin = self.position + direction * self.near;
                 return Ray { origin, direction, length: self.far - self.near };
             }
+            Projection::Distant(_) => {
+                let point = warp::disc(lens) * self.aperture_radius;
+                return Ray::new(self.position + left * point.x + up * point.y, forward);
+            }
         }
         let through = left * x + up * y + forward;
         let (start, direction) = if self.aperture_radius > 0.0 {
@@ -257,6 +279,7 @@ impl Camera {
         match self.projection {
             Projection::Perspective => {}
             Projection::Parallel => return 1.0 / (4.0 * self.half_extent.x * self.half_extent.y),
+            Projection::Distant(_) => return 1.0 / (PI * self.aperture_radius * self.aperture_radius),
             // Circles of latitude are as wide on the film as the equator.
             Projection::Spherical => return 1.0 / (2.0 * PI * PI * across(direction.dot(self.axes[1]))),
         }
@@ -277,7 +300,7 @@ impl Camera {
     /// camera: see [`SeenByCamera::spread`].
     #[inline]
     pub fn spread(&self, direction: Vec3, distance: f32) -> f32 {
-        if self.projection == Projection::Parallel {
+        if matches!(self.projection, Projection::Parallel | Projection::Distant(_)) {
             return 1.0;
         }
         let distance = distance + self.near_distance(direction);
@@ -287,8 +310,10 @@ impl Camera {
     /// Where the film sees `point` from a place of the lens; `None` behind the camera and beyond its clip distances.
     #[inline]
     pub fn look_at(&self, point: Vec3, lens: [f32; 2]) -> Option<SeenByCamera> {
-        if self.projection == Projection::Spherical {
-            return self.look_around(point);
+        match self.projection {
+            Projection::Spherical => return self.look_around(point),
+            Projection::Distant(_) => return self.look_from_afar(point, lens),
+            Projection::Perspective | Projection::Parallel => {}
         }
         let [left, up, forward] = self.axes;
         let start = warp::disc(lens) * self.aperture_radius;
@@ -298,7 +323,7 @@ impl Camera {
             return None;
         }
         let middle = self.principal_point + 0.5;
-        if self.projection == Projection::Parallel {
+        if matches!(self.projection, Projection::Parallel) {
             let film = Vec2::new(from_lens.dot(left), from_lens.dot(up)) / self.half_extent;
             let (direction, visible_distance) = (-forward, depth - self.near);
             let pdf = self.pdf(forward);
@@ -319,24 +344,6 @@ impl Camera {
         })
     }
 
-    fn look_around(&self, point: Vec3) -> Option<SeenByCamera> {
-        let between = point - self.position;
-        let distance = between.length();
-        if !(distance > self.near && distance < self.far) {
-            return None;
-        }
-        let direction = between / distance;
-        let [left, up, forward] = self.axes.map(|axis| direction.dot(axis));
-        let angles = Vec2::new(libm::atan2f(left, forward), libm::atan2f(up, libm::hypotf(left, forward)));
-        Some(SeenByCamera {
-            film: Vec2::splat(0.5) - angles / (2.0 * self.half_extent),
-            direction: -direction,
-            spread: distance * distance,
-            visible_distance: distance - self.near,
-            pdf: self.pdf(direction),
-        })
-    }
-
     /// How far a place of the film is repeated to its left and right, as shares of its width: a picture of all around begins again.
     #[inline]
     pub fn repeats(&self) -> &'static [f32] {
@@ -348,7 +355,12 @@ impl Camera {
 
     /// Whether it has a lens, so that only what lies at one depth is sharp.
     pub fn has_lens(&self) -> bool {
-        self.aperture_radius > 0.0
+        self.aperture_radius > 0.0 && !self.is_distant()
+    }
+
+    /// Whether it stands outside of the scene and sees all of it, or a point, in one pixel.
+    pub fn is_distant(&self) -> bool {
+        matches!(self.projection, Projection::Distant(_))
     }
 
     /// Where it stands, m.
@@ -360,16 +372,17 @@ impl Camera {
     #[inline]
     pub fn distance_to(&self, point: Vec3) -> f32 {
         match self.projection {
-            Projection::Parallel => (point - self.position).dot(self.axes[2]),
+            Projection::Parallel | Projection::Distant(_) => (point - self.position).dot(self.axes[2]),
             _ => point.distance(self.position),
         }
     }
 
     /// Radius of the footprint of a pixel at `distance`, m, in a whole film `width` pixels wide.
     pub fn pixel_footprint(&self, distance: f32, width: u32) -> f32 {
-        if self.projection == Projection::Parallel {
-            return self.half_extent.x / width as f32;
+        match self.projection {
+            Projection::Parallel => self.half_extent.x / width as f32,
+            Projection::Distant(_) => self.aperture_radius,
+            _ => distance * self.half_extent.x / width as f32,
         }
-        distance * self.half_extent.x / width as f32
     }
 }

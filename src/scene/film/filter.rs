@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 use crate::math::discrete::Discrete;
 use crate::scene::description::Node;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 use crate::scene::fields::Fields;
 
 /// A reconstruction filter, the same along both axes.
@@ -81,7 +81,7 @@ fn size(fields: &mut Fields<'_>, name: &'static str, default: f64) -> Result<f64
     match fields.float(name)?.unwrap_or(default) {
         size if size > 0.0 && size <= LARGEST => Ok(size),
         size => {
-            let problem = format!("\"{name}\" is {size} pixels");
+            let problem = format!("\"{name}\" is {} pixels", shown_number(size));
             Err(fields.error(name, problem, format!("give a number above 0, up to {LARGEST}")))
         }
     }
@@ -91,7 +91,9 @@ fn size(fields: &mut Fields<'_>, name: &'static str, default: f64) -> Result<f64
 fn cubic_parameter(fields: &mut Fields<'_>, name: &'static str) -> Result<f64, SceneError> {
     match fields.float(name)?.unwrap_or(1.0 / 3.0) {
         parameter if (0.0..=1.0).contains(&parameter) => Ok(parameter),
-        parameter => Err(fields.error(name, format!("\"{name}\" is {parameter}"), "give a number from 0 to 1")),
+        parameter => {
+            Err(fields.error(name, format!("\"{name}\" is {}", shown_number(parameter)), "give a number from 0 to 1"))
+        }
     }
 }
 

@@ -54,10 +54,11 @@ impl Accelerator {
         let size = boxes.iter().map(|(low, high)| largest(*low).max(largest(*high))).fold(0.0, f32::max);
         let scale = scale_for(size);
         let bounds = padded_boxes(boxes.into_iter(), scale);
-        let groups: Vec<Vec<u32>> = [BlockKind::Triangles, BlockKind::Flat, BlockKind::Single]
-            .into_iter()
-            .flat_map(|kind| groups_of_kind(kind, primitives, &bounds))
-            .collect();
+        let groups: Vec<Vec<u32>> =
+            [BlockKind::Triangles, BlockKind::OneSidedTriangles, BlockKind::Flat, BlockKind::Single]
+                .into_iter()
+                .flat_map(|kind| groups_of_kind(kind, primitives, &bounds))
+                .collect();
         let of_group = |group: &Vec<u32>| {
             let members = group.iter().map(|index| bounds[*index as usize].0);
             Bounds(members.reduce(|all, one| all.union(&one)).unwrap_or_default())
@@ -66,7 +67,9 @@ impl Accelerator {
         let tree = build_tree(&group_bounds);
         let order: Vec<u32> =
             tree.primitive_indices.iter().flat_map(|group| groups[*group as usize].iter().copied()).collect();
-        let has_triangles = primitives.iter().any(|primitive| matches!(primitive, Primitive::Triangle(_)));
+        let has_triangles = primitives
+            .iter()
+            .any(|primitive| matches!(primitive, Primitive::Triangle(_) | Primitive::OneSidedTriangle(_)));
         let primitives: Vec<Primitive> = order.iter().map(|index| primitives[*index as usize]).collect();
         let mut first = 0;
         let blocks = tree.primitive_indices.iter().map(|group| {

@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use super::one_sided_triangle::OneSidedTriangle;
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, Shear};
 use super::triangle::Triangle;
@@ -21,6 +22,8 @@ type VectorLanes = [Lanes; 3];
 pub enum Block {
     /// Triangles: their three vertices.
     Triangles(Box<[VectorLanes; 3]>),
+    /// Triangles that are met from outside only.
+    OneSidedTriangles(Box<[VectorLanes; 3]>),
     /// Rectangles and disks.
     Flat(Box<FlatLanes>),
     /// A primitive that is tested alone.
@@ -61,6 +64,8 @@ pub struct BlockHit {
 pub enum BlockKind {
     /// Triangles.
     Triangles,
+    /// Triangles that are met from outside only.
+    OneSidedTriangles,
     /// Rectangles and disks.
     Flat,
     /// All others.
@@ -72,6 +77,7 @@ impl BlockKind {
     pub fn of(primitive: &Primitive) -> Self {
         match primitive {
             Primitive::Triangle(_) => Self::Triangles,
+            Primitive::OneSidedTriangle(_) => Self::OneSidedTriangles,
             Primitive::Rectangle(_) | Primitive::Disk(_) => Self::Flat,
             _ => Self::Single,
         }
@@ -84,21 +90,28 @@ fn set(lanes: &mut VectorLanes, lane: usize, vector: Vec3) {
     }
 }
 
+/// The corners of triangles by lane; spare lanes repeat the first.
+fn vertices_of(primitives: &[Primitive]) -> Box<[VectorLanes; 3]> {
+    let mut vertices = Box::new([[[0.0; LANES]; 3]; 3]);
+    for lane in 0..LANES {
+        let (Primitive::Triangle(triangle) | Primitive::OneSidedTriangle(OneSidedTriangle(triangle))) =
+            primitives.get(lane).unwrap_or(&primitives[0])
+        else {
+            continue;
+        };
+        (0..3).for_each(|vertex| set(&mut vertices[vertex], lane, triangle.vertices[vertex]));
+    }
+    vertices
+}
+
 impl Block {
     /// A block of 1 to [`LANES`] primitives of one kind; spare lanes repeat the first, which never wins against itself.
     pub fn new(primitives: &[Primitive]) -> Self {
         let of_lane = |lane: usize| primitives.get(lane).unwrap_or(&primitives[0]);
         match BlockKind::of(&primitives[0]) {
             BlockKind::Single => Self::Single,
-            BlockKind::Triangles => {
-                let mut vertices = Box::new([[[0.0; LANES]; 3]; 3]);
-                for lane in 0..LANES {
-                    if let Primitive::Triangle(triangle) = of_lane(lane) {
-                        (0..3).for_each(|vertex| set(&mut vertices[vertex], lane, triangle.vertices[vertex]));
-                    }
-                }
-                Self::Triangles(vertices)
-            }
+            BlockKind::Triangles => Self::Triangles(vertices_of(primitives)),
+            BlockKind::OneSidedTriangles => Self::OneSidedTriangles(vertices_of(primitives)),
             BlockKind::Flat => {
                 let zero = [[0.0; LANES]; 3];
                 let mut lanes =
@@ -123,7 +136,8 @@ impl Block {
     #[inline(always)]
     pub fn intersect(&self, primitives: &[Primitive], ray: &Ray, shear: &Shear, length: f32) -> Option<BlockHit> {
         match self {
-            Self::Triangles(vertices) => intersect_triangles(vertices, ray, shear, length),
+            Self::Triangles(vertices) => intersect_triangles::<true>(vertices, ray, shear, length),
+            Self::OneSidedTriangles(vertices) => intersect_triangles::<false>(vertices, ray, shear, length),
             Self::Flat(lanes) => lanes.intersect(ray, length),
             Self::Single => primitives[0].intersect(ray, shear, length).map(|hit| BlockHit { lane: 0, hit }),
         }
@@ -144,8 +158,14 @@ fn nearest_lane(distance: &Lanes) -> Option<usize> {
     Some(mask.trailing_zeros() as usize)
 }
 
+/// Without `BACK` rays meet the triangles from outside only.
 #[inline]
-fn intersect_triangles(vertices: &[VectorLanes; 3], ray: &Ray, shear: &Shear, length: f32) -> Option<BlockHit> {
+fn intersect_triangles<const BACK: bool>(
+    vertices: &[VectorLanes; 3],
+    ray: &Ray,
+    shear: &Shear,
+    length: f32,
+) -> Option<BlockHit> {
     let [x, y, z] = shear.axes;
     let [shear_x, shear_y, shear_z] = shear.shear;
     let origin = ray.origin.to_array();
@@ -175,11 +195,12 @@ fn intersect_triangles(vertices: &[VectorLanes; 3], ray: &Ray, shear: &Shear, le
         let determinant = u + v + w;
         let inverse = 1.0 / determinant;
         let at = shear_z * (u * a[2][lane] + v * b[2][lane] + w * c[2][lane]) * inverse;
-        let counts = !outside & (determinant != 0.0) & (at > 0.0) & (at < length);
+        let from_back = (determinant > 0.0) != (shear_z > 0.0);
+        let counts = !outside & (determinant != 0.0) & (BACK | !from_back) & (at > 0.0) & (at < length);
         distance[lane] = if counts { at } else { f32::INFINITY };
     }
     if zero != 0 {
-        return through_an_edge(vertices, ray, shear, length);
+        return through_an_edge::<BACK>(vertices, ray, shear, length);
     }
     let lane = nearest_lane(&distance)?;
     let inverse = 1.0 / (edges[0][lane] + edges[1][lane] + edges[2][lane]);
@@ -189,13 +210,18 @@ fn intersect_triangles(vertices: &[VectorLanes; 3], ray: &Ray, shear: &Shear, le
 
 /// One by one, where some triangle needs double precision.
 #[cold]
-fn through_an_edge(vertices: &[VectorLanes; 3], ray: &Ray, shear: &Shear, length: f32) -> Option<BlockHit> {
+fn through_an_edge<const BACK: bool>(
+    vertices: &[VectorLanes; 3],
+    ray: &Ray,
+    shear: &Shear,
+    length: f32,
+) -> Option<BlockHit> {
     let mut nearest = None;
     let mut length = length;
     for lane in 0..LANES {
         let corner = |vertex: usize| Vec3::from_array(vertices[vertex].map(|axis| axis[lane]));
         let triangle = Triangle { vertices: [corner(0), corner(1), corner(2)] };
-        if let Some(hit) = triangle.intersect(ray, shear, length) {
+        if let Some(hit) = triangle.intersect_sides::<BACK>(ray, shear, length) {
             length = hit.distance;
             nearest = Some(BlockHit { lane, hit });
         }

@@ -2,12 +2,12 @@
 //!
 //! `filename` holds a control point on each line, x y z and the radius in m; empty lines separate curves. A `linearcurve` goes through
 //! its points (at least two) and has round ends and joints; a `bsplinecurve` is a uniform cubic B-spline (at least four points, which
-//! pull it), and open at its ends. `to_world` (any affine transform) moves the points and leaves radii as they are, as in Mitsuba.
+//! pull it), and open at its ends. Rays meet both from outside only, as in Mitsuba: who looks into a tube sees through its walls.
+//! `to_world` (any affine transform) moves the points and leaves radii as they are, as in Mitsuba.
 //!
 //! A tube has [`SIDES`] sides and smooth normals; its corners lie so far outside of the circle that it is as wide as the circle in
 //! the mean over all directions. v grows along all curves of the file from 0 to 1, u round each.
 
-use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
@@ -15,8 +15,8 @@ use glam::DVec3;
 use super::mesh::{self, ShapeGeometry};
 use super::transform::ToWorld;
 use super::triangle_mesh::TriangleMesh;
-use crate::scene::bundle::{Bundle, without_byte_order_mark};
-use crate::scene::error::{Location, SceneError};
+use crate::scene::bundle::{Bundle, text_of};
+use crate::scene::error::{Location, SceneError, shown_number};
 use crate::scene::fields::Fields;
 
 /// Corners of a tube's cross section.
@@ -102,7 +102,7 @@ fn check_size(fields: &mut Fields<'_>, triangles: u64) -> Result<(), SceneError>
 fn read_curves(fields: &mut Fields<'_>, bundle: &Bundle, least: usize) -> Result<Vec<Vec<Point>>, SceneError> {
     let (bytes, location) = mesh::mesh_file(fields, bundle)?;
     let to_world = ToWorld::read(fields)?;
-    let text = String::from_utf8_lossy(without_byte_order_mark(&bytes));
+    let text = text_of(&bytes);
     let mut curves: Vec<Vec<Point>> = vec![Vec::new()];
     let error = |line: usize, problem: String| {
         SceneError::new(
@@ -135,7 +135,10 @@ fn read_curves(fields: &mut Fields<'_>, bundle: &Bundle, least: usize) -> Result
             return Err(error(line, format!("{shown:?} is not a control point")));
         };
         if words.len() != 4 || radius < 0.0 {
-            return Err(error(line, format!("the control point has {} numbers and the radius {radius}", words.len())));
+            return Err(error(
+                line,
+                format!("the control point has {} numbers and the radius {}", words.len(), shown_number(radius)),
+            ));
         }
         curves
             .last_mut()
@@ -246,7 +249,7 @@ impl Tubes {
     }
 
     fn into_shape(self, fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
-        let mut shape = mesh::placed(Cow::Owned(self.mesh), &ToWorld::IDENTITY, fields, false)?;
+        let mut shape = mesh::one_sided(self.mesh, fields)?;
         shape.notices.push(format!("its curves are approximated by tubes with {SIDES} sides"));
         Ok(shape)
     }

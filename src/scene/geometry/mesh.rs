@@ -12,6 +12,7 @@ use std::borrow::Cow;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::Primitive;
+use super::one_sided_triangle::OneSidedTriangle;
 use super::transform::{ToWorld, to_single};
 use super::triangle::Triangle;
 use super::triangle_mesh::TriangleMesh;
@@ -128,24 +129,10 @@ fn from_mesh(
     flip_by_default: bool,
 ) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
-    placed(mesh, &to_world, fields, flip_by_default)
-}
-
-/// The same with a transform that was read already.
-pub(super) fn placed(
-    mesh: Cow<'_, TriangleMesh>,
-    to_world: &ToWorld,
-    fields: &mut Fields<'_>,
-    flip_by_default: bool,
-) -> Result<ShapeGeometry, SceneError> {
     let face_normals = fields.boolean("face_normals")?.unwrap_or(mesh.face_normals);
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
     let downwards = fields.boolean("flip_tex_coords")?.unwrap_or(flip_by_default);
-    let points = mesh
-        .positions
-        .iter()
-        .map(|point| to_single(to_world.point(Vec3::from_array(*point).as_dvec3()), fields))
-        .collect::<Result<Vec<Vec3>, SceneError>>()?;
+    let points = points_in_world(&mesh, &to_world, fields)?;
     // A mirror image keeps its outside where the file's normals say what that is: its triangles turn the other way.
     let turns = to_world.turns_outside(fields)? && (face_normals || mesh.normals.is_empty());
     let reversed = flip != (to_world.handedness() < 0.0 && !turns);
@@ -180,14 +167,44 @@ pub(super) fn placed(
     let vertices = Vertices { points, normals, coordinates, tangents };
     let mut shape = triangles_of(&triangles, &vertices, reversed);
     shape.attributes = attributes::of_triangles(values, &triangles, &vertices.points, reversed);
-    if shape.primitives.is_empty() {
-        let problem = match triangles.len() {
-            1 => "the mesh's only triangle has no area".to_owned(),
-            count => format!("none of the mesh's {count} triangles has an area"),
-        };
-        return Err(SceneError::new(fields.location(), problem, "check the mesh, its size and its to_world"));
+    check_area(&shape, triangles.len(), fields)?;
+    Ok(shape)
+}
+
+/// A closed or open surface that is met from outside only, whose mesh lies in world space already and has normals and texture
+/// coordinates.
+pub(super) fn one_sided(mesh: TriangleMesh, fields: &Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+    let vertices = Vertices {
+        points: points_in_world(&mesh, &ToWorld::IDENTITY, fields)?,
+        normals: mesh.normals.into_iter().map(Vec3::from_array).collect(),
+        coordinates: mesh.texture_coordinates,
+        tangents: Vec::new(),
+    };
+    let mut shape = triangles_of(&mesh.triangles, &vertices, false);
+    check_area(&shape, mesh.triangles.len(), fields)?;
+    for primitive in &mut shape.primitives {
+        if let Primitive::Triangle(triangle) = *primitive {
+            *primitive = Primitive::OneSidedTriangle(OneSidedTriangle(triangle));
+        }
     }
     Ok(shape)
+}
+
+fn points_in_world(mesh: &TriangleMesh, to_world: &ToWorld, fields: &Fields<'_>) -> Result<Vec<Vec3>, SceneError> {
+    let point = |point: &[f32; 3]| to_single(to_world.point(Vec3::from_array(*point).as_dvec3()), fields);
+    mesh.positions.iter().map(point).collect()
+}
+
+/// Fails when none of a mesh's triangles has an area.
+fn check_area(shape: &ShapeGeometry, triangles: usize, fields: &Fields<'_>) -> Result<(), SceneError> {
+    if !shape.primitives.is_empty() {
+        return Ok(());
+    }
+    let problem = match triangles {
+        1 => "the mesh's only triangle has no area".to_owned(),
+        count => format!("none of the mesh's {count} triangles has an area"),
+    };
+    Err(SceneError::new(fields.location(), problem, "check the mesh, its size and its to_world"))
 }
 
 /// Vertex normals as means of the triangles around, weighted by their angle at the vertex [Thürmer & Wüthrich 1998].

@@ -8,6 +8,7 @@ pub mod disk;
 pub mod instance;
 pub mod mesh;
 pub mod obj;
+pub mod one_sided_triangle;
 pub mod parameterization;
 pub mod ply;
 pub mod primitive;

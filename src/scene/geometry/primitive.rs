@@ -7,6 +7,7 @@ use super::curve;
 use super::cylinder::{self, Cylinder};
 use super::disk::{self, Disk};
 use super::mesh::{self, ShapeGeometry};
+use super::one_sided_triangle::OneSidedTriangle;
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint};
 use super::rectangle::{self, Rectangle};
 use super::sphere::{self, Sphere};
@@ -81,4 +82,14 @@ macro_rules! primitives {
     };
 }
 
-primitives!(Triangle, Rectangle, Sphere, Disk, Cylinder);
+primitives!(Triangle, OneSidedTriangle, Rectangle, Sphere, Disk, Cylinder);
+
+impl Primitive {
+    /// Whether all of it lies in one plane.
+    pub fn is_flat(&self) -> bool {
+        match self {
+            Self::Triangle(_) | Self::OneSidedTriangle(_) | Self::Rectangle(_) | Self::Disk(_) => true,
+            Self::Sphere(_) | Self::Cylinder(_) => false,
+        }
+    }
+}

@@ -13,7 +13,7 @@ use super::parameterization::{cosine_and_sine, turns};
 use super::ray::{PrimitiveHit, Ray, Shear, SurfacePoint, largest, position_error};
 use super::transform::{ToWorld, to_single};
 use crate::math::{Frame, warp};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 
 /// A sphere.
@@ -56,7 +56,7 @@ pub fn positive_radius(fields: &mut Fields<'_>) -> Result<f64, SceneError> {
     if radius > 0.0 {
         return Ok(radius);
     }
-    let problem = format!("a {} of radius {radius} is empty or inside out", fields.node().plugin);
+    let problem = format!("a {} of radius {} is empty or inside out", fields.node().plugin, shown_number(radius));
     Err(fields.error("radius", problem, "give a radius above 0; flip_normals turns a shape inside out"))
 }
 

@@ -16,6 +16,17 @@ impl Triangle {
     /// Nearest hit before `length`. Rays never slip between triangles that share vertices [Woop et al. 2013].
     #[inline]
     pub fn intersect(&self, ray: &Ray, shear: &Shear, length: f32) -> Option<PrimitiveHit> {
+        self.intersect_sides::<true>(ray, shear, length)
+    }
+
+    /// The same; without `BACK` of rays from outside only.
+    #[inline]
+    pub(super) fn intersect_sides<const BACK: bool>(
+        &self,
+        ray: &Ray,
+        shear: &Shear,
+        length: f32,
+    ) -> Option<PrimitiveHit> {
         let [x, y, z] = shear.axes;
         let [shear_x, shear_y, shear_z] = shear.shear;
         let sheared = |vertex: Vec3| {
@@ -30,7 +41,9 @@ impl Triangle {
         }
         let outside = edges.iter().any(|edge| *edge < 0.0) && edges.iter().any(|edge| *edge > 0.0);
         let determinant = edges[0] + edges[1] + edges[2];
-        if outside || determinant == 0.0 {
+        // The determinant is −(direction·normal) over the direction's longest component.
+        let from_back = (determinant > 0.0) != (shear_z > 0.0);
+        if outside || determinant == 0.0 || (!BACK && from_back) {
             return None;
         }
         let inverse = 1.0 / determinant;

@@ -78,10 +78,6 @@ pub fn read_along_normal(fields: &mut Fields<'_>, textures: &mut TextureReader<'
     Ok(Emission { radiance, two_sided: false, seen_only: false, along_normal: true })
 }
 
-fn is_flat(primitive: &Primitive) -> bool {
-    matches!(primitive, Primitive::Triangle(_) | Primitive::Rectangle(_) | Primitive::Disk(_))
-}
-
 /// The mean radiance of a primitive at the points of a lattice [R₂ sequence, Roberts 2018].
 fn probed_radiance(radiance: &Texture, primitive: u32, probes: usize, geometry: &Geometry) -> Rgb {
     let sum = (0..probes).map(|probe| {
@@ -183,7 +179,7 @@ impl AreaLight {
                 && primitives().all(|(one, index)| {
                     let point = middle(index);
                     let is_on_plane = (point.position - center).dot(*normal).abs() <= ROUNDING * radius;
-                    is_flat(one) && point.normal.dot(*normal) >= 1.0 - ROUNDING && is_on_plane
+                    one.is_flat() && point.normal.dot(*normal) >= 1.0 - ROUNDING && is_on_plane
                 })
         });
         let power = luminance(self.power);

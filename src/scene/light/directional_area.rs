@@ -37,10 +37,9 @@ pub fn is_flat(primitives: &[Primitive]) -> bool {
     let corners = primitives.iter().map(Primitive::bounds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
     let size = corners.map_or(0.0, |(low, high)| low.distance(high));
     primitives.iter().all(|primitive| {
-        let is_plane = matches!(primitive, Primitive::Triangle(_) | Primitive::Rectangle(_) | Primitive::Disk(_));
         let point = primitive.sample([0.5; 2]);
         let off = (point.position - first.position).dot(first.normal).abs();
-        is_plane && point.normal.dot(first.normal) > 1.0 - ROUNDING && off <= ROUNDING * size
+        primitive.is_flat() && point.normal.dot(first.normal) > 1.0 - ROUNDING && off <= ROUNDING * size
     })
 }
 

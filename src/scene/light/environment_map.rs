@@ -21,7 +21,7 @@ use crate::math::color::luminance;
 use crate::math::grid_distribution::GridDistribution;
 use crate::math::trigonometry::sin_cos_turn;
 use crate::math::{Rgb, color};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::geometry::transform::ToWorld;
@@ -101,7 +101,11 @@ impl EnvironmentMap {
         }
         let scale = fields.float("scale")?.unwrap_or(1.0);
         if scale < 0.0 {
-            return Err(fields.error("scale", format!("\"scale\" is {scale}"), "give a number of at least 0"));
+            return Err(fields.error(
+                "scale",
+                format!("\"scale\" is {}", shown_number(scale)),
+                "give a number of at least 0",
+            ));
         }
         let to_world = ToWorld::read(fields)?;
         to_world.check_similarity(fields)?;

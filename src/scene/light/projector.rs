@@ -19,7 +19,7 @@ use super::{DirectSample, EmittedPhoton};
 use crate::math::color::luminance;
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::camera;
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::geometry::transform::{ToWorld, to_single};
@@ -45,7 +45,11 @@ impl Projector {
         let irradiance = textures.color(fields, "irradiance")?.unwrap_or(Texture::grey(1.0));
         let scale = fields.float("scale")?.unwrap_or(1.0);
         if scale < 0.0 {
-            return Err(fields.error("scale", format!("\"scale\" is {scale}"), "give a number of at least 0"));
+            return Err(fields.error(
+                "scale",
+                format!("\"scale\" is {}", shown_number(scale)),
+                "give a number of at least 0",
+            ));
         }
         let [width, height] = irradiance.size();
         let axis = |axis: DVec3| to_world.vector(axis).normalize().as_vec3();

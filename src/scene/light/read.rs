@@ -4,7 +4,7 @@ use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Projector,
 use crate::scene::bundle::Bundle;
 use crate::scene::camera;
 use crate::scene::description::Node;
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::texture::TextureReader;
 use crate::scene::unsupported::unknown_plugin;
@@ -71,7 +71,7 @@ pub fn check_sampling_weight(fields: &mut Fields<'_>) -> Result<(), SceneError> 
     match fields.float("sampling_weight")? {
         Some(weight) if weight <= 0.0 => {
             let remedy = "give a number above 0, or remove the emitter";
-            Err(fields.error("sampling_weight", format!("\"sampling_weight\" is {weight}"), remedy))
+            Err(fields.error("sampling_weight", format!("\"sampling_weight\" is {}", shown_number(weight)), remedy))
         }
         _ => Ok(()),
     }

@@ -16,7 +16,7 @@ use super::point::read_intensity;
 use super::{DirectSample, EmittedPhoton};
 use crate::math::color::luminance;
 use crate::math::{Frame, Rgb, Vec2, Vec3, warp};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::geometry::transform::{ToWorld, to_single};
@@ -67,13 +67,17 @@ impl Spot {
         let intensity = read_intensity(fields)?;
         let cutoff = fields.float("cutoff_angle")?.unwrap_or(20.0);
         if !(cutoff > 0.0 && cutoff <= 180.0) {
-            let problem = format!("\"cutoff_angle\" is {cutoff} degrees");
+            let problem = format!("\"cutoff_angle\" is {} degrees", shown_number(cutoff));
             return Err(fields.error("cutoff_angle", problem, "give an angle above 0 and up to 180 degrees"));
         }
         let beam_width = fields.float("beam_width")?.unwrap_or(0.75 * cutoff);
         if !(0.0..=cutoff).contains(&beam_width) {
-            let problem = format!("\"beam_width\" is {beam_width} degrees");
-            return Err(fields.error("beam_width", problem, format!("give an angle from 0 to the cutoff, {cutoff}")));
+            let problem = format!("\"beam_width\" is {} degrees", shown_number(beam_width));
+            return Err(fields.error(
+                "beam_width",
+                problem,
+                format!("give an angle from 0 to the cutoff, {}", shown_number(cutoff)),
+            ));
         }
         let (cutoff, beam_width) = (cutoff.to_radians(), beam_width.to_radians());
         let across = [DVec3::X, DVec3::Y].map(|axis| to_world.vector(axis).normalize().as_vec3());

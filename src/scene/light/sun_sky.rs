@@ -32,7 +32,7 @@ use super::{DirectSample, EmittedPhoton, EnvironmentMap, LightImportance, Surrou
 use crate::math::color::luminance;
 use crate::math::discrete::ONE_MINUS_EPSILON;
 use crate::math::{Frame, Rgb, warp};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::geometry::transform::ToWorld;
@@ -102,7 +102,7 @@ impl Appearance {
         }
         let aperture = fields.float("sun_aperture")?.unwrap_or(0.5358);
         if !(1e-4..90.0).contains(&aperture) {
-            let problem = format!("\"sun_aperture\" is {aperture} degrees");
+            let problem = format!("\"sun_aperture\" is {} degrees", shown_number(aperture));
             return Err(fields.error("sun_aperture", problem, "give an angle of at least 0.0001 and below 90 degrees"));
         }
         if fields.boolean("complex_sun")?.unwrap_or(false) {

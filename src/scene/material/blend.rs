@@ -11,7 +11,7 @@ use super::lobe_choice::{LobeChoice, followed_share};
 use super::{Lobes, Material, MaterialSample, SpecularLobes, TransportMode, View};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::description::PluginClass;
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
@@ -32,7 +32,7 @@ pub fn read_share(
     let texture = textures.number(fields, name)?;
     match texture.as_ref().filter(|texture| !texture.varies()).map(|texture| texture.number(&TexturePoint::default())) {
         Some(number) if !(0.0..=1.0).contains(&number) => {
-            Err(fields.error(name, format!("\"{name}\" is {number}"), "give a number from 0 to 1"))
+            Err(fields.error(name, format!("\"{name}\" is {}", shown_number(number)), "give a number from 0 to 1"))
         }
         _ => Ok(texture),
     }

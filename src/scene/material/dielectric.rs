@@ -11,7 +11,7 @@
 use super::refractive_indices::REFRACTIVE_INDICES;
 use super::{Lobes, MaterialSample, SpecularLobes, TransportMode, View, fresnel};
 use crate::math::Vec3;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::texture::{Texture, TextureReader};
 
@@ -33,7 +33,7 @@ pub fn read_index(fields: &mut Fields<'_>, name: &'static str, default: &str) ->
     let text = match fields.float(name) {
         Ok(Some(index)) if index > 0.0 => return Ok(index as f32),
         Ok(Some(index)) => {
-            let problem = format!("\"{name}\" is {index}: no medium has such an index of refraction");
+            let problem = format!("\"{name}\" is {}: no medium has such an index of refraction", shown_number(index));
             return Err(fields.error(name, problem, "give a number above 0, for example 1.5"));
         }
         Ok(None) => default,

@@ -20,7 +20,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use super::{Lobes, fresnel};
 use crate::math::trigonometry::sin_cos_turn;
 use crate::math::{Vec2, Vec3};
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
@@ -314,7 +314,7 @@ fn read_alpha(
     let alpha = textures.number(fields, name)?;
     match alpha.as_ref().filter(|alpha| !alpha.varies()).map(|alpha| alpha.number(&TexturePoint::default())) {
         Some(number) if number < LEAST_ALPHA => {
-            let problem = format!("\"{name}\" is {number}: rough surfaces start at {LEAST_ALPHA}");
+            let problem = format!("\"{name}\" is {}: rough surfaces start at {LEAST_ALPHA}", shown_number(number));
             Err(fields.error(name, problem, format!("give at least {LEAST_ALPHA}, or use the smooth material")))
         }
         _ => Ok(alpha),

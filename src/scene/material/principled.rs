@@ -31,7 +31,7 @@ use super::microfacet::{self, LongTail, Microfacets, Shape};
 use super::rough_dielectric::{refract, refraction_scale};
 use super::{Lobes, MaterialSample, SpecularLobes, View, flip, fresnel};
 use crate::math::{Rgb, Vec3, color, warp};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
@@ -115,15 +115,17 @@ fn read_index(fields: &mut Fields<'_>, lets_light_through: bool) -> Result<f32, 
             Err(fields.error("specular", "both \"eta\" and \"specular\" are given", "give one of them"))
         }
         (Some(eta), None) if eta > 0.0 => Ok(if lets_light_through && eta == 1.0 { 1.001 } else { eta as f32 }),
-        (Some(eta), None) => {
-            Err(fields.error("eta", format!("\"eta\" is {eta}"), "give a number above 0, for example 1.5"))
-        }
+        (Some(eta), None) => Err(fields.error(
+            "eta",
+            format!("\"eta\" is {}", shown_number(eta)),
+            "give a number above 0, for example 1.5",
+        )),
         (None, specular) => {
             let specular = specular.unwrap_or(0.5);
             if !(0.0..=1.0).contains(&specular) {
                 return Err(fields.error(
                     "specular",
-                    format!("\"specular\" is {specular}"),
+                    format!("\"specular\" is {}", shown_number(specular)),
                     "give a number from 0 to 1",
                 ));
             }

@@ -25,7 +25,7 @@ use super::microfacet::{self, Microfacets, Shape};
 use super::principled::{alphas, base_shape, hue, is_everywhere, sheen_color, tinted_reflection};
 use super::{Lobes, MaterialSample, SpecularLobes, TransportMode, View, flip, fresnel};
 use crate::math::{Rgb, Vec3, warp};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::texture::{Texture, TextureReader};
 
@@ -82,7 +82,7 @@ fn read_within(
     let texture = textures.number(fields, name)?;
     let bounds = texture.as_ref().map(Texture::range).map(|[low, high]| [low.min_element(), high.max_element()]);
     match bounds.into_iter().flatten().find(|value| !is_allowed(*value)) {
-        Some(value) => Err(fields.error(name, format!("\"{name}\" is {value}"), remedy)),
+        Some(value) => Err(fields.error(name, format!("\"{name}\" is {}", shown_number(value)), remedy)),
         None => Ok(texture),
     }
 }

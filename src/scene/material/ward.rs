@@ -22,7 +22,7 @@ use super::lobe_choice::{LobeChoice, followed_share, mean};
 use super::microfacet::{self, LEAST_ALPHA};
 use super::{Lobes, MaterialSample, SpecularLobes, View};
 use crate::math::{Rgb, Vec3, warp};
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
@@ -71,7 +71,7 @@ impl Ward {
             if sum.max_element() > 1.0 + 1e-6 {
                 let problem = format!(
                     "\"diffuse_reflectance\" and \"specular_reflectance\" add up to {}: it would reflect more than arrives",
-                    sum.max_element()
+                    shown_number(sum.max_element())
                 );
                 return Err(fields.error("specular_reflectance", problem, "give shares that add up to at most 1"));
             }

@@ -21,7 +21,7 @@ pub use phase::Phase;
 
 use super::bundle::Bundle;
 use super::description::{Node, PluginClass};
-use super::error::SceneError;
+use super::error::{SceneError, shown_number};
 use super::fields::Fields;
 use super::geometry::Ray;
 use crate::math::Rgb;
@@ -84,7 +84,11 @@ pub(super) fn read(node: &Node, bundle: &Bundle) -> Result<Medium, SceneError> {
     let albedo = volume::read(&mut fields, "albedo", 0.75, 1.0, bundle)?;
     let scale = fields.float("scale")?.unwrap_or(1.0);
     if scale < 0.0 {
-        return Err(fields.error("scale", format!("\"scale\" is {scale}"), "give a scale of at least 0"));
+        return Err(fields.error(
+            "scale",
+            format!("\"scale\" is {}", shown_number(scale)),
+            "give a scale of at least 0",
+        ));
     }
     // They choose how Mitsuba samples.
     fields.ignore(&["sample_emitters", "has_spectral_extinction"]);

@@ -6,7 +6,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use crate::math::{Frame, Vec3, warp};
 use crate::scene::description::Node;
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 use crate::scene::fields::Fields;
 
 /// A distribution of scattered directions; cosines are those between the directions in which light comes and goes.
@@ -32,7 +32,11 @@ pub(super) fn read(node: &Node) -> Result<Phase, SceneError> {
         "hg" => {
             let mean = fields.float("g")?.unwrap_or(0.8);
             if !(mean > -1.0 && mean < 1.0) {
-                return Err(fields.error("g", format!("\"g\" is {mean}"), "give a number above -1 and below 1"));
+                return Err(fields.error(
+                    "g",
+                    format!("\"g\" is {}", shown_number(mean)),
+                    "give a number above -1 and below 1",
+                ));
             }
             Phase::HenyeyGreenstein(mean as f32)
         }

@@ -11,7 +11,7 @@ use glam::{DMat4, DVec3};
 use crate::math::{Rgb, Vec3};
 use crate::scene::bundle::Bundle;
 use crate::scene::description::{Node, PluginClass};
-use crate::scene::error::{Location, SceneError};
+use crate::scene::error::{Location, SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Ray;
 
@@ -97,7 +97,7 @@ pub(super) fn read(
     if low >= 0.0 && f64::from(high) <= most {
         return Ok(volume);
     }
-    let problem = format!("\"{name}\" reaches from {low} to {high}");
+    let problem = format!("\"{name}\" reaches from {} to {}", shown_number(low), shown_number(high));
     let remedy = if most.is_finite() {
         format!("give numbers from 0 to {most}")
     } else {

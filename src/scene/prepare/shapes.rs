@@ -7,7 +7,7 @@ use super::lights::read_area_light;
 use super::{Builder, instancing};
 use crate::math::Rgb;
 use crate::scene::description::{Node, PluginClass};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Shape;
 use crate::scene::geometry::mesh::ShapeGeometry;
@@ -98,7 +98,7 @@ impl Builder<'_> {
     fn check_extent(&mut self, node: &Node, geometry: &ShapeGeometry) -> Result<(), SceneError> {
         let area: f64 = geometry.primitives.iter().map(|primitive| f64::from(primitive.area())).sum();
         if !(area > 0.0 && area.is_finite()) {
-            let problem = format!("shape \"{}\" has an area of {area} m²", node.plugin);
+            let problem = format!("shape \"{}\" has an area of {} m²", node.plugin, shown_number(area));
             return Err(SceneError::new(&node.location, problem, "check its size and its to_world"));
         }
         check_reach(node, geometry.primitives.iter().map(Primitive::bounds))?;

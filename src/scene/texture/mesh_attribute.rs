@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use super::TextureReader;
 use crate::math::{Rgb, Vec2};
-use crate::scene::error::{SceneError, nearest_name};
+use crate::scene::error::{SceneError, nearest_name, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::TexturePoint;
 
@@ -57,7 +57,11 @@ impl AttributeTexture {
         }
         let scale = fields.float("scale")?.unwrap_or(1.0);
         if scale < 0.0 {
-            return Err(fields.error("scale", format!("\"scale\" is {scale}"), "give a number of at least 0"));
+            return Err(fields.error(
+                "scale",
+                format!("\"scale\" is {}", shown_number(scale)),
+                "give a number of at least 0",
+            ));
         }
         let scale = scale as f32;
         // A material that no shape uses is checked with a grey.

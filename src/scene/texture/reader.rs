@@ -7,7 +7,7 @@ use super::{MeshAttribute, Raster, Texture, image_file, number_of};
 use crate::math::Rgb;
 use crate::scene::bundle::Bundle;
 use crate::scene::description::{Node, PluginClass};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_numbers};
 use crate::scene::fields::Fields;
 
 /// The most memory that all images of a scene may take, bytes.
@@ -122,7 +122,7 @@ impl<'a> TextureReader<'a> {
                 _ => ("goes up to", "scale it to 0 to 1"),
             };
             let Rgb { x, y, z } = largest;
-            let problem = format!("\"{name}\" {what} {x}, {y}, {z}: it would reflect more than arrives");
+            let problem = format!("\"{name}\" {what} {}: it would reflect more than arrives", shown_numbers([x, y, z]));
             return Err(fields.error(name, problem, remedy));
         }
         Ok(texture)
@@ -137,7 +137,7 @@ impl<'a> TextureReader<'a> {
         let [smallest, _] = texture.range();
         if smallest.min_element() < 0.0 {
             let Rgb { x, y, z } = smallest;
-            let problem = format!("\"{name}\" goes down to {x}, {y}, {z}");
+            let problem = format!("\"{name}\" goes down to {}", shown_numbers([x, y, z]));
             return Err(fields.error(name, problem, "replace the image's negative values"));
         }
         Ok(Some(texture))

@@ -4,8 +4,8 @@
 //! used: the luminaire hangs as it was measured. Of the photometric types, C is accepted. Intensities are multiplied by
 //! the file's multiplier, ballast factor and ballast-lamp factor.
 
-use crate::scene::bundle::without_byte_order_mark;
-use crate::scene::error::{Location, SceneError};
+use crate::scene::bundle::text_of;
+use crate::scene::error::{Location, SceneError, shown_number};
 
 /// The most intensities that are read.
 const VALUE_LIMIT: usize = 1_000_000;
@@ -26,7 +26,7 @@ pub(super) struct Photometry {
 /// With the line: when there is no `TILT=`, a number is missing, malformed, negative or not finite, or the angles are not ascending or
 /// cover none of the ranges that the standard has; when it is of photometric type A or B.
 pub(super) fn read(bytes: &[u8], location: &Location) -> Result<Photometry, SceneError> {
-    let text = String::from_utf8_lossy(without_byte_order_mark(bytes));
+    let text = text_of(bytes);
     let lines: Vec<&str> = text.lines().collect();
     let tilt = lines.iter().position(|line| line.trim_start().starts_with("TILT="));
     let Some(tilt) = tilt else {
@@ -104,7 +104,8 @@ fn around(measured: Photometry, numbers: &Numbers<'_>) -> Result<Photometry, Sce
         (0.0, 180.0) | (90.0, 270.0) => 2,
         (0.0, 360.0) => 1,
         _ => {
-            let problem = format!("horizontal angles go from {first} to {last} degrees");
+            let problem =
+                format!("horizontal angles go from {} to {} degrees", shown_number(first), shown_number(last));
             return Err(numbers.error(problem, "they must go from 0 to 0, 90, 180 or 360, or from 90 to 270"));
         }
     };
@@ -158,7 +159,7 @@ impl Numbers<'_> {
         if number > 0.0 {
             return Ok(number);
         }
-        Err(self.error(format!("{what} is {number}"), "give a number above 0"))
+        Err(self.error(format!("{what} is {}", shown_number(number)), "give a number above 0"))
     }
 
     fn count(&mut self, what: &str) -> Result<usize, SceneError> {
@@ -166,7 +167,7 @@ impl Numbers<'_> {
         if number.fract() == 0.0 && (1.0..=1e6).contains(&number) {
             return Ok(number as usize);
         }
-        Err(self.error(format!("{what} is {number}"), "give a whole number from 1 to 1000000"))
+        Err(self.error(format!("{what} is {}", shown_number(number)), "give a whole number from 1 to 1000000"))
     }
 
     /// As many numbers as the file still has are reserved at most.

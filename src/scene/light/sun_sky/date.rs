@@ -1,6 +1,6 @@
 //! Days of the Gregorian calendar.
 
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 
 /// A day.
@@ -50,10 +50,14 @@ impl Date {
 fn whole(fields: &mut Fields<'_>, name: &'static str, default: i64, most: i64) -> Result<i64, SceneError> {
     let number = fields.float(name)?.unwrap_or(default as f64);
     if !(1.0..=most as f64).contains(&number) {
-        return Err(fields.error(name, format!("\"{name}\" is {number}"), format!("give a number from 1 to {most}")));
+        return Err(fields.error(
+            name,
+            format!("\"{name}\" is {}", shown_number(number)),
+            format!("give a number from 1 to {most}"),
+        ));
     }
     if number.fract() != 0.0 {
-        return Err(fields.error(name, format!("\"{name}\" is {number}"), "give a whole number"));
+        return Err(fields.error(name, format!("\"{name}\" is {}", shown_number(number)), "give a whole number"));
     }
     Ok(number as i64)
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::date::{Date, DateNames};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 
 /// A direction towards the sun.
@@ -39,8 +39,8 @@ pub(super) fn number(
     match (range[0]..=range[1]).contains(&number) {
         true => Ok(number),
         false => {
-            let remedy = format!("give a number from {} to {}", range[0], range[1]);
-            Err(fields.error(name, format!("\"{name}\" is {number}"), remedy))
+            let remedy = format!("give a number from {} to {}", shown_number(range[0]), shown_number(range[1]));
+            Err(fields.error(name, format!("\"{name}\" is {}", shown_number(number)), remedy))
         }
     }
 }

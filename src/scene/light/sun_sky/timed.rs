@@ -17,7 +17,7 @@
 use super::date::{Date, DateNames};
 use super::position::{Place, number};
 use super::{Appearance, SunSky, average};
-use crate::scene::error::SceneError;
+use crate::scene::error::{SceneError, shown_number};
 use crate::scene::fields::Fields;
 use crate::scene::light::{Light, Surroundings};
 
@@ -51,7 +51,8 @@ impl Span {
             number(fields, "window_end_time", 19.0, [0.0, 24.0])?,
         ];
         if window[0] > window[1] {
-            let problem = format!("\"window_end_time\" is {}, before \"window_start_time\", {}", window[1], window[0]);
+            let [start, end] = window.map(shown_number);
+            let problem = format!("\"window_end_time\" is {end}, before \"window_start_time\", {start}");
             return Err(fields.error("window_end_time", problem, "let the window end after it starts"));
         }
         Ok(Self { place, first_day: start.number(), days, window })
@@ -72,12 +73,13 @@ pub fn read(fields: &mut Fields<'_>, shutter: [f64; 2], surroundings: Surroundin
     let span = Span::read(fields)?;
     let (open, close) = (fields.float("shutter_open")?.unwrap_or(0.0), fields.float("shutter_close")?.unwrap_or(1.0));
     if close <= open {
-        let problem = format!("\"shutter_close\" is {close}, and \"shutter_open\" {open}");
+        let problem =
+            format!("\"shutter_close\" is {}, and \"shutter_open\" {}", shown_number(close), shown_number(open));
         return Err(fields.error("shutter_close", problem, "let it close after it opens"));
     }
     let parts = shutter.map(|time| (time - open) / (close - open));
     if let Some(part) = parts.into_iter().find(|part| !(0.0..=1.0).contains(part)) {
-        let problem = format!("the sensor's shutter is open at {part} of the span, outside of it");
+        let problem = format!("the sensor's shutter is open at {} of the span, outside of it", shown_number(part));
         let remedy = "give sensor and emitter the same \"shutter_open\" and \"shutter_close\"";
         return Err(fields.error("shutter_close", problem, remedy));
     }
