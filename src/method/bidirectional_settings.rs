@@ -9,6 +9,7 @@ use crate::scene::Scene;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
 use crate::transport::kernel::Kernel;
+use crate::transport::occlusion::Occlusion;
 
 /// What passes of these methods do.
 #[derive(Clone, Copy, Debug)]
@@ -36,12 +37,14 @@ pub struct MergeSettings {
     pub kernel: Kernel,
     /// Only so many photons are merged with a vertex; 0 for all within the radius.
     pub neighbors: u32,
+    /// Which photons count only where their origin is seen.
+    pub occlusion: Occlusion,
 }
 
 impl MergeSettings {
     /// All photons within the radius count alike.
-    pub fn discs(first_radius: Auto<f32>) -> Self {
-        Self { first_radius, kernel: Kernel::Disc, neighbors: 0 }
+    pub fn discs(first_radius: Auto<f32>, occlusion: Occlusion) -> Self {
+        Self { first_radius, kernel: Kernel::Disc, neighbors: 0, occlusion }
     }
 }
 
@@ -70,7 +73,14 @@ impl PassSettings {
         let strategy = paths.strategy.only().map(|Subpaths { light, camera }| [light, camera]);
         let selection = Selection { length, strategy, show: paths.show };
         let (heuristic, measure) = (Heuristic::Balance, Measure::Area);
-        Self { techniques, heuristic, measure, limits, selection, merging: MergeSettings::discs(Auto::Auto) }
+        Self {
+            techniques,
+            heuristic,
+            measure,
+            limits,
+            selection,
+            merging: MergeSettings::discs(Auto::Auto, Occlusion::Off),
+        }
     }
 
     /// Whether any of `techniques` is in use.

@@ -11,6 +11,7 @@ use crate::math::random::{PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
+use crate::transport::occlusion::Occlusion;
 use crate::transport::{Counters, Limits, shading};
 
 /// One new camera path per pixel, with one gather ray.
@@ -31,7 +32,7 @@ impl GatherEnds<'_> {
         &self,
         seed: u64,
         photons_per_pass: u32,
-        emission: Emission,
+        (emission, occlusion): (Emission, Occlusion),
         cancel: &AtomicBool,
     ) -> Option<Option<Vec<f32>>> {
         if emission == Emission::Power {
@@ -46,6 +47,7 @@ impl GatherEnds<'_> {
             photons_per_pass,
             first_radius: Auto::Auto,
             emission,
+            occlusion,
         };
         Some(passes.pilot(self, cancel)?.guide)
     }

@@ -33,7 +33,7 @@
 //!
 //! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
-//! falls as √(k/photons_per_pass). Memory: 32 bytes per stored photon, and again for each caustic one.
+//! falls as √(k/photons_per_pass). Memory: 36 bytes per stored photon, and again for each caustic one.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -44,7 +44,7 @@ use super::gather_ends::GatherEnds;
 use super::parameter_values::{Auto, Depth, Emission, Passes, PhotonCount, Radius, RouletteDepth, bounded, limits};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::shared_parameters::{EMISSION, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
+use super::shared_parameters::{EMISSION, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
 use crate::math::Rgb;
@@ -56,8 +56,9 @@ use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::direct_light::direct_light;
 use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
 use crate::transport::kernel::Kernel;
+use crate::transport::occlusion::Occlusion;
 use crate::transport::photon_map::{
-    self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, Photon, PhotonLookup, PhotonMap,
+    self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, OriginPhoton, Photon, PhotonLookup, PhotonMap,
 };
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits, shading};
@@ -109,6 +110,7 @@ parameters! {
         ),
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
         emission: Emission = EMISSION,
+        occlusion: Occlusion = OCCLUSION,
         final_gather: GatherRays = parameter(
             "gather rays per camera path; 0 looks at the global map directly",
             GatherRays::new(4).expect("in range"),
@@ -161,10 +163,10 @@ impl Parameters {
             Auto::Value(radius) => radius * radius,
             Auto::Auto => automatic,
         };
-        LookUp {
-            estimate: DensityEstimate { neighbors: neighbors as usize, largest_radius_squared, kernel: self.kernel },
-            first_radius: largest_radius_squared.min(automatic).sqrt(),
-        }
+        let Self { kernel, occlusion, .. } = *self;
+        let first_radius = largest_radius_squared.min(automatic).sqrt();
+        let neighbors = neighbors as usize;
+        LookUp { estimate: DensityEstimate { neighbors, largest_radius_squared, kernel, occlusion }, first_radius }
     }
 }
 
@@ -200,9 +202,9 @@ struct LookUp {
 /// The photons of a pass.
 struct Maps {
     /// For gather rays: all photons. Without them: those that a lobe with a density has scattered.
-    global: PhotonMap,
+    global: PhotonMap<f32>,
     /// Photons that only mirrors and glass have scattered, at least once.
-    caustic: PhotonMap,
+    caustic: PhotonMap<f32>,
 }
 
 impl TwoPasses {
@@ -217,7 +219,7 @@ impl TwoPasses {
             paths: self.photons_per_pass,
             guide: pass.guide,
         };
-        let (chunks, counters) = maps::trace::<Photon>(&self.scene, &settings, &self.grid(&self.global), cancel)?;
+        let (chunks, counters) = maps::trace::<OriginPhoton>(&self.scene, &settings, &self.grid(&self.global), cancel)?;
         let all = PhotonMap::build(&chunks, self.grid(&self.global));
         let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
         let global = match self.gather_rays {
@@ -297,7 +299,7 @@ impl LocalPass<'_> {
     /// Direct light and caustics at a point, as the camera sees them.
     fn direct_and_caustic(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, caustic, .. } = self.method;
-        let mut reflected = self.look_up(caustic, &self.maps.caustic, at);
+        let mut reflected = self.look_up(caustic, &self.maps.caustic, at, counters);
         if limits.allows(at.segments + 1) {
             reflected += direct_light(scene, at, random, counters);
         }
@@ -308,7 +310,7 @@ impl LocalPass<'_> {
     fn indirect(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
         let rays = self.method.gather_rays;
         if rays == 0 {
-            return at.throughput * self.look_up(&self.method.global, &self.maps.global, at);
+            return at.throughput * self.look_up(&self.method.global, &self.maps.global, at, counters);
         }
         let [shift_x, shift_y, ..] = random.block(dimension::scattering(at.segments));
         let sum: Rgb = (0..rays)
@@ -345,7 +347,7 @@ impl LocalPass<'_> {
                         let u = random.block(dimension::scattering(at.segments));
                         self.gather_ray(at, u, random, counters)
                     }
-                    false => at.throughput * self.look_up(global, &self.maps.global, at),
+                    false => at.throughput * self.look_up(global, &self.maps.global, at, counters),
                 };
             }
         });
@@ -353,13 +355,13 @@ impl LocalPass<'_> {
     }
 
     /// Radiance that the point's lobes reflect of the photons in `map`.
-    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap, at: &GatherPoint) -> Rgb {
+    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap<f32>, at: &GatherPoint, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, photons_per_pass, .. } = self.method;
         if map.is_empty() {
             return Rgb::ZERO;
         }
         let most_segments = limits.most_photon_segments(at.segments);
-        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found) / *photons_per_pass as f32
+        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found, counters) / *photons_per_pass as f32
     }
 }
 
@@ -377,7 +379,8 @@ impl PreparedMethod for TwoPasses {
             gathers: self.gather_rays > 0,
             random: PassRandom::of_pixels(self.seed, Stream::PilotCamera, PILOT_PASS),
         };
-        let values = ends.learn(self.seed, self.photons_per_pass, self.emission, cancel)?;
+        let values =
+            ends.learn(self.seed, self.photons_per_pass, (self.emission, self.global.estimate.occlusion), cancel)?;
         // They were read once already.
         let guide = values.as_ref().and_then(|values| EmissionGuide::new(values, &self.scene.lights).ok());
         let pass = Pass {

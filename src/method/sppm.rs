@@ -27,14 +27,15 @@ use super::parameters::{ParameterSet, parameters, read_method};
 use super::photon_pass::{PhotonPasses, PhotonsOf, add_to_tally};
 use super::pilot::CameraPaths;
 use super::shared_parameters::{
-    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
+    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
 };
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, RadiusRule};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
-use crate::transport::photon_map::{Gathered, Photon, PhotonMap};
+use crate::transport::occlusion::Occlusion;
+use crate::transport::photon_map::{Gathered, OriginPhoton, PhotonMap};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -60,6 +61,7 @@ parameters! {
         rr_depth: RouletteDepth = RR_DEPTH,
         direct: DirectLight = DIRECT,
         emission: Emission = EMISSION,
+        occlusion: Occlusion = OCCLUSION,
         passes: Passes = PASSES,
     }
 }
@@ -91,6 +93,7 @@ impl ParameterizedMethod for Parameters {
             photons_per_pass,
             first_radius: self.initial_radius.meters(),
             emission: self.emission,
+            occlusion: self.occlusion,
         };
         Box::new(Sppm { passes })
     }
@@ -106,7 +109,7 @@ impl Sppm {
     fn trace_pixel(
         &self,
         pass: &Pass<'_>,
-        map: &PhotonMap,
+        map: &PhotonMap<f32>,
         (pixel, random): (usize, &PathRandom),
         radius_squared: f32,
         tally: &mut PixelTally,
@@ -115,7 +118,8 @@ impl Sppm {
         let mut gathered = Gathered::default();
         let radiance = self.passes.camera_path(random, pixel, counters, |point, radiance, counters| {
             *radiance += point.throughput * self.passes.direct_light(point, random, counters);
-            gathered.add(&self.passes.gather(map, point, radius_squared * pass.scale), point.throughput);
+            let found = self.passes.gather(map, point, radius_squared * pass.scale, counters);
+            gathered.add(&found, point.throughput);
         });
         add_to_tally(tally, pass, radiance, &gathered, counters);
     }
@@ -124,7 +128,8 @@ impl Sppm {
 impl PreparedMethod for Sppm {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
         let photons = PhotonsOf::pass(pass);
-        let (map, mut total) = self.passes.trace_photons::<Photon>(&photons, pass.typical_radius_squared, cancel)?;
+        let (map, mut total) =
+            self.passes.trace_photons::<OriginPhoton>(&photons, pass.typical_radius_squared, cancel)?;
         let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         let width = self.passes.scene.width as usize;
         let first_pixel = pass.region.row_start as usize * width;

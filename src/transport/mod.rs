@@ -14,6 +14,7 @@ pub mod kernel;
 pub mod light_path;
 pub mod limits;
 pub mod multiple_importance;
+pub mod occlusion;
 pub mod photon_map;
 pub mod photon_tracing;
 pub mod receiver;
