@@ -25,13 +25,14 @@ use super::parameter_values::{
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{
-    CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, SHOW, STRATEGY,
-    SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
+    CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, OCCLUSION, PASSES, SHOW,
+    STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
 use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show};
 use crate::transport::kernel::Kernel;
+use crate::transport::occlusion::Occlusion;
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -56,6 +57,7 @@ parameters! {
     struct Parameters {
         photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
         initial_radius: Auto<Radius> = MERGING_RADIUS,
+        occlusion: Occlusion = OCCLUSION,
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Disc, "disc"),
         neighbors: Nearest = parameter(
             "only the nearest photons, within the radius; 0 for all",
@@ -83,7 +85,7 @@ impl Parameters {
         let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
         let paths = Paths { max_depth, rr_depth, length, strategy, show };
         let (first_radius, kernel, neighbors) = (self.initial_radius.meters(), self.kernel, self.neighbors.get());
-        let merging = MergeSettings { first_radius, kernel, neighbors };
+        let merging = MergeSettings { first_radius, kernel, neighbors, occlusion: self.occlusion };
         PassSettings {
             heuristic: self.heuristic,
             measure,

@@ -1,7 +1,7 @@
 //! One pass of the methods that make paths from two ends: light subpaths first, kept where the method connects or merges them;
 //! then a camera subpath per pixel, joined with them.
 //!
-//! Memory: 80 bytes per vertex that is kept to be connected, 48 per photon that is kept to be merged. Roulette keeps their number near the number of light
+//! Memory: 80 bytes per vertex that is kept to be connected, 52 per photon that is kept to be merged. Roulette keeps their number near the number of light
 //! subpaths times their mean length, which grows with the reflectance of the scene.
 
 use std::ops::Range;
@@ -26,6 +26,7 @@ use crate::transport::bidirectional::{
 };
 use crate::transport::emission_learning::GuideParts;
 use crate::transport::first_radius::FIRST_GATHER_PHOTONS;
+use crate::transport::occlusion::Occlusion;
 use crate::transport::photon_map::{Gathered, Grid, Nearest, PhotonChunk, PhotonMap};
 
 /// Light subpaths per chunk, which one thread traces.
@@ -91,6 +92,7 @@ impl BidirectionalPasses {
             first_radius: settings.merging.first_radius,
             emission: settings.emission,
             guide_parts: GuideParts::Lights,
+            occlusion: Occlusion::Off,
         };
         let weighting = settings.weighting(light_paths);
         Self { scene, seed, settings, weighting, light_paths, pilot }
@@ -255,10 +257,11 @@ impl CameraPass<'_> {
                 radiance += connect(walk, camera, light, random, acceptance, counters);
             }
             if let Some(map) = &paths.map {
-                let MergeSettings { kernel, neighbors, .. } = passes.settings.merging;
-                let merging = Merging { photons: map, records: map.extras(), kernel, neighbors };
+                let MergeSettings { kernel, neighbors, occlusion, .. } = passes.settings.merging;
+                let merging = Merging { photons: map, records: map.extras(), kernel, neighbors, occlusion };
                 let radius_squared = pass.radius_squared[pixel] * pass.scale;
-                gathered.add(&merge(walk, camera, &merging, radius_squared, acceptance, nearest), Rgb::ONE);
+                let area = (radius_squared, acceptance);
+                gathered.add(&merge(walk, camera, &merging, area, nearest, counters), Rgb::ONE);
             }
             radiance
         });

@@ -13,6 +13,7 @@ use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
 use crate::transport::kernel::Kernel;
 use crate::transport::light_trials::SamplingVertices;
+use crate::transport::occlusion::Occlusion;
 
 /// The longest path that a strategy may be given of, in segments.
 const LONGEST: u32 = 65_535;
@@ -45,12 +46,14 @@ pub struct MergeSettings {
     pub kernel: Kernel,
     /// Only so many photons are merged with a vertex; 0 for all within the radius.
     pub neighbors: u32,
+    /// Which photons count only where their origin is seen.
+    pub occlusion: Occlusion,
 }
 
 impl MergeSettings {
     /// All photons within the radius count alike.
-    pub fn discs(first_radius: Auto<f32>) -> Self {
-        Self { first_radius, kernel: Kernel::Disc, neighbors: 0 }
+    pub fn discs(first_radius: Auto<f32>, occlusion: Occlusion) -> Self {
+        Self { first_radius, kernel: Kernel::Disc, neighbors: 0, occlusion }
     }
 }
 
@@ -79,7 +82,7 @@ impl PassSettings {
         let strategy = paths.strategy.only().map(|Subpaths { light, camera }| [light, camera]);
         let selection = Selection { length, strategy, show: paths.show };
         let (heuristic, measure) = (Heuristic::Balance, Measure::Area);
-        let merging = MergeSettings::discs(Auto::Auto);
+        let merging = MergeSettings::discs(Auto::Auto, Occlusion::Off);
         Self { techniques, heuristic, measure, limits, selection, merging, emission: Emission::Power }
     }
 

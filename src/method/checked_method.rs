@@ -167,10 +167,21 @@ impl From<CheckedMethod> for CheckedRecord {
     }
 }
 
+/// Parameters that methods got later, and the value of each that does what they did before: a record has all parameters of its time, so
+/// a job that was stored without one goes on to the bits that it began.
+const LATER_PARAMETERS: [(&str, &str); 3] =
+    [("emission", "power"), ("light_picks", "importance"), ("occlusion", "off")];
+
 impl TryFrom<CheckedRecord> for CheckedMethod {
     type Error = MethodError;
 
-    fn try_from(record: CheckedRecord) -> Result<Self, MethodError> {
+    fn try_from(mut record: CheckedRecord) -> Result<Self, MethodError> {
+        let known = entry(&record.choice.name)?.parameters;
+        for (name, before) in LATER_PARAMETERS {
+            if known.iter().any(|parameter| parameter.name == name) {
+                record.choice.parameters.entry(name).or_insert_with(|| before.into());
+            }
+        }
         // Where the choice holds no number of photons there is one per pixel, so the number of photons is that of pixels.
         let checked = Self::new(&record.choice, record.photons_per_pass.into())?;
         if (checked.photons_per_pass, checked.passes) == (record.photons_per_pass, record.passes) {

@@ -12,6 +12,7 @@ use crate::scene::Scene;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
 use crate::transport::emission_learning::GuideParts;
+use crate::transport::occlusion::Occlusion;
 use crate::transport::{Counters, Limits, shading};
 
 /// One new camera path per pixel, with one gather ray.
@@ -32,7 +33,7 @@ impl GatherEnds<'_> {
         &self,
         seed: u64,
         photons_per_pass: u32,
-        emission: Emission,
+        (emission, occlusion): (Emission, Occlusion),
         cancel: &AtomicBool,
     ) -> Option<Option<Vec<f32>>> {
         if emission == Emission::Power {
@@ -48,6 +49,7 @@ impl GatherEnds<'_> {
             first_radius: Auto::Auto,
             emission,
             guide_parts: GuideParts::Cells,
+            occlusion,
         };
         Some(passes.pilot(self, cancel)?.guide)
     }

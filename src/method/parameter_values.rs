@@ -8,6 +8,7 @@ use crate::estimate::RadiusRule;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Show};
 use crate::transport::kernel::Kernel;
+use crate::transport::occlusion::Occlusion;
 
 /// A number, or the word `auto`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -232,6 +233,10 @@ impl ParameterValue for Weights {
 
 impl ParameterValue for RadiusRule {
     const RANGE: &'static str = "statistics, schedule";
+}
+
+impl ParameterValue for Occlusion {
+    const RANGE: &'static str = "off, unclear, all";
 }
 
 impl ParameterValue for Kernel {

@@ -23,13 +23,14 @@ use super::parameter_values::{
 };
 use super::parameters::{ParameterSet, parameters, read_method};
 use super::shared_parameters::{
-    ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE,
-    SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
+    ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, OCCLUSION, PASSES,
+    RADIUS_RULE, SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
 use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
 use crate::estimate::RadiusRule;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show};
+use crate::transport::occlusion::Occlusion;
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -51,6 +52,7 @@ parameters! {
         radius_rule: RadiusRule = RADIUS_RULE,
         photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
         initial_radius: Auto<Radius> = MERGING_RADIUS,
+        occlusion: Occlusion = OCCLUSION,
         weights: Weights = WEIGHTS,
         light_hits: Switch = LIGHT_HITS,
         camera_hits: Switch = CAMERA_HITS,
@@ -71,7 +73,7 @@ impl Parameters {
         let (techniques, measure) = (photon_techniques(self.light_hits, self.camera_hits), self.weights.measure());
         let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
         let paths = Paths { max_depth, rr_depth, length, strategy, show };
-        let merging = MergeSettings::discs(self.initial_radius.meters());
+        let merging = MergeSettings::discs(self.initial_radius.meters(), self.occlusion);
         PassSettings {
             heuristic: self.heuristic,
             measure,

@@ -33,7 +33,7 @@
 //!
 //! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
-//! falls as √(k/photons_per_pass). Memory: 32 bytes per stored photon, and again for each caustic one.
+//! falls as √(k/photons_per_pass). Memory: 36 bytes per stored photon, and again for each caustic one.
 
 mod local_pass;
 
@@ -49,7 +49,7 @@ use super::gather_ends::GatherEnds;
 use super::parameter_values::{Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, limits};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
-use super::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
+use super::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, Region};
@@ -59,7 +59,10 @@ use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, Photon, PhotonMap};
+use crate::transport::occlusion::Occlusion;
+use crate::transport::photon_map::{
+    self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, OriginPhoton, Photon, PhotonMap,
+};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits};
 
@@ -111,6 +114,7 @@ parameters! {
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
         light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
+        occlusion: Occlusion = OCCLUSION,
         final_gather: GatherRays = parameter(
             "gather rays per camera path; 0 looks at the global map directly",
             GatherRays::new(4).expect("in range"),
@@ -167,10 +171,10 @@ impl Parameters {
             Auto::Value(radius) => radius * radius,
             Auto::Auto => automatic,
         };
-        LookUp {
-            estimate: DensityEstimate { neighbors: neighbors as usize, largest_radius_squared, kernel: self.kernel },
-            first_radius: largest_radius_squared.min(automatic).sqrt(),
-        }
+        let Self { kernel, occlusion, .. } = *self;
+        let first_radius = largest_radius_squared.min(automatic).sqrt();
+        let neighbors = neighbors as usize;
+        LookUp { estimate: DensityEstimate { neighbors, largest_radius_squared, kernel, occlusion }, first_radius }
     }
 }
 
@@ -206,9 +210,9 @@ struct LookUp {
 /// The photons of a pass.
 struct Maps {
     /// For gather rays: all photons. Without them: those that a lobe with a density has scattered.
-    global: PhotonMap,
+    global: PhotonMap<f32>,
     /// Photons that only mirrors and glass have scattered, at least once.
-    caustic: PhotonMap,
+    caustic: PhotonMap<f32>,
 }
 
 impl TwoPasses {
@@ -223,7 +227,7 @@ impl TwoPasses {
             paths: self.photons_per_pass,
             guide: pass.guide,
         };
-        let (chunks, counters) = maps::trace::<Photon>(&self.scene, &settings, &self.grid(&self.global), cancel)?;
+        let (chunks, counters) = maps::trace::<OriginPhoton>(&self.scene, &settings, &self.grid(&self.global), cancel)?;
         let all = PhotonMap::build(&chunks, self.grid(&self.global));
         let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
         let global = match self.gather_rays {
@@ -284,7 +288,8 @@ impl PreparedMethod for TwoPasses {
             gathers: self.gather_rays > 0,
             random: PassRandom::of_pixels(self.seed, Stream::PilotCamera, PILOT_PASS),
         };
-        let values = ends.learn(self.seed, self.photons_per_pass, self.emission, cancel)?;
+        let values =
+            ends.learn(self.seed, self.photons_per_pass, (self.emission, self.global.estimate.occlusion), cancel)?;
         // They were read once already.
         let guide = values.as_ref().and_then(|values| EmissionGuide::new(values, &self.scene.lights).ok());
         let pass = Pass {

@@ -16,6 +16,7 @@ use crate::transport::emission_learning::GuideParts;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
+use crate::transport::occlusion::{Occlusion, Sight};
 use crate::transport::photon_map::{Gathered, Grid, PhotonLookup, PhotonMap, TracedPhoton, trace};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::receiver::{Counting, Receiver};
@@ -44,6 +45,8 @@ pub struct PhotonPasses {
     pub emission: Emission,
     /// How finely they may be guided.
     pub guide_parts: GuideParts,
+    /// Which photons are tested.
+    pub occlusion: Occlusion,
 }
 
 /// Which photons to trace.
@@ -103,8 +106,23 @@ impl PhotonPasses {
 
     /// Reflected flux Φ/T = Σ f_r·α and the photon count M at a gather point.
     #[inline]
-    pub fn gather(&self, map: &impl PhotonLookup, point: &GatherPoint, radius_squared: f32) -> Gathered {
-        Receiver::new(&self.scene, &point.hit, point.view()).gather(map, self.counting(point, radius_squared))
+    pub fn gather(
+        &self,
+        map: &PhotonMap<f32>,
+        point: &GatherPoint,
+        radius_squared: f32,
+        counters: &mut Counters,
+    ) -> Gathered {
+        let counting = self.counting(point, radius_squared);
+        let receiver = Receiver::new(&self.scene, &point.hit, point.view());
+        let gathered = receiver.gather(map, counting);
+        if gathered.photons == 0.0 {
+            return gathered;
+        }
+        match Sight::new(&self.scene, &point.hit, &receiver.query(counting), self.occlusion) {
+            Some(sight) => gather_in_sight(&sight, map, &receiver, counting, counters).unwrap_or(gathered),
+            None => gathered,
+        }
     }
 
     /// Which photons count at a gather point.
@@ -160,6 +178,18 @@ impl PhotonPasses {
     fn fallback_radius_squared(&self) -> f32 {
         self.radius_bounds(self.photons_per_pass as usize).guess.max(f32::MIN_POSITIVE * FIRST_GATHER_PHOTONS)
     }
+}
+
+/// What `receiver` reflects of the photons that count; `None` where all do.
+#[inline(never)]
+fn gather_in_sight(
+    sight: &Sight<'_>,
+    map: &PhotonMap<f32>,
+    receiver: &Receiver<'_>,
+    counting: Counting,
+    counters: &mut Counters,
+) -> Option<Gathered> {
+    receiver.gather_some(map, counting, |index| sight.accepts(&map.photon(index), map.extras()[index], counters))
 }
 
 /// Adds one pass's sums of a pixel; what is not finite is dropped and counted.

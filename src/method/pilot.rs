@@ -18,7 +18,8 @@ use crate::transport::Counters;
 use crate::transport::camera_walk::GatherPoint;
 use crate::transport::emission_learning::{EmittedPath, GuideParts, Lesson, learn};
 use crate::transport::light_path::emission_point;
-use crate::transport::photon_map::{PathPhoton, PhotonLookup, PhotonMap};
+use crate::transport::occlusion::Sight;
+use crate::transport::photon_map::{PathPhoton, PathSegment, PhotonLookup, PhotonMap};
 use crate::transport::receiver::Receiver;
 
 /// Photon passes that teach, at most.
@@ -98,7 +99,7 @@ pub struct PilotFindings {
 
 /// Photons, and first radii for them.
 struct Round {
-    map: PhotonMap<u32>,
+    map: PhotonMap<PathSegment>,
     radius_squared: Vec<f32>,
     counters: Counters,
 }
@@ -225,10 +226,17 @@ impl PhotonPasses {
         let disc = std::f64::consts::PI * f64::from(radius_squared) * f64::from(self.photons_per_pass);
         view.visit(pixel, &mut Counters::default(), &mut |point, _, _| {
             let receiver = Receiver::new(&self.scene, &point.hit, point.view());
-            receiver.visit(&round.map, self.counting(point, radius_squared), |index, reflected| {
+            let counting = self.counting(point, radius_squared);
+            let sight = Sight::new(&self.scene, &point.hit, &receiver.query(counting), self.occlusion);
+            let counts = |index: usize, segment: &PathSegment| {
+                let photon = || round.map.photon(index);
+                sight.as_ref().is_none_or(|sight| sight.accepts(&photon(), segment.length, &mut Counters::default()))
+            };
+            receiver.visit(&round.map, counting, |index, reflected| {
+                let segment = &round.map.extras()[index];
                 let brought = f64::from(luminance(point.throughput * reflected)) / disc;
-                if brought.is_finite() {
-                    visit(round.map.extras()[index], brought);
+                if brought.is_finite() && counts(index, segment) {
+                    visit(segment.path, brought);
                 }
             });
         });

@@ -29,7 +29,7 @@ use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, PhotonPasses, PhotonsOf, add_to_tally};
 use super::pilot::PilotView;
 use super::shared_parameters::{
-    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
+    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
 };
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
@@ -43,7 +43,8 @@ use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
 use crate::transport::emission_learning::GuideParts;
 use crate::transport::hit_point::HitPoint;
-use crate::transport::photon_map::{Gathered, Photon, PhotonMap};
+use crate::transport::occlusion::Occlusion;
+use crate::transport::photon_map::{Gathered, OriginPhoton, PhotonMap};
 use crate::transport::shading;
 
 /// Specular surfaces up to this many segments are followed in all their directions, later ones in one at random.
@@ -81,6 +82,7 @@ parameters! {
         direct: DirectLight = DIRECT,
         light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
+        occlusion: Occlusion = OCCLUSION,
         passes: Passes = PASSES,
         samples_per_pixel: Samples =
             parameter("hit points per pixel, fixed for the whole job", Samples::new(4).expect("in range"), "4"),
@@ -122,6 +124,7 @@ impl ParameterizedMethod for Parameters {
             first_radius: self.initial_radius.meters(),
             emission: self.emission,
             guide_parts: GuideParts::Cells,
+            occlusion: self.occlusion,
         };
         Box::new(Ppm {
             passes,
@@ -253,7 +256,7 @@ impl Ppm {
     fn trace_pixel(
         &self,
         pass: &Pass<'_>,
-        map: &PhotonMap,
+        map: &PhotonMap<f32>,
         points: &[HitPoint],
         random: &PassRandom,
         (first_point, radius_squared): (usize, f32),
@@ -265,7 +268,8 @@ impl Ppm {
             let point = hit_point.gather_point(self.error);
             let random = random.path((first_point + index) as u32);
             radiance += point.throughput * self.passes.direct_light(&point, &random, counters);
-            gathered.add(&self.passes.gather(map, &point, radius_squared * pass.scale), point.throughput * share);
+            let found = self.passes.gather(map, &point, radius_squared * pass.scale, counters);
+            gathered.add(&found, point.throughput * share);
         }
         gathered.photons *= share;
         (radiance * share, gathered)
@@ -276,7 +280,8 @@ impl PreparedMethod for Ppm {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
         let hit_points = self.hit_points(pass.region, cancel)?;
         let photons = PhotonsOf::pass(pass);
-        let (map, mut total) = self.passes.trace_photons::<Photon>(&photons, pass.typical_radius_squared, cancel)?;
+        let (map, mut total) =
+            self.passes.trace_photons::<OriginPhoton>(&photons, pass.typical_radius_squared, cancel)?;
         let width = self.passes.scene.width as usize;
         let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         // Random numbers are addressed by the hit point's place in its row, which no region changes.

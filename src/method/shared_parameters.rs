@@ -7,6 +7,7 @@ use super::parameter_values::{
 use super::parameters::{Parameter, parameter};
 use crate::estimate::RadiusRule;
 use crate::transport::bidirectional::{Heuristic, Show};
+use crate::transport::occlusion::Occlusion;
 
 /// For all methods.
 pub const MAX_DEPTH: Parameter<Depth> =
@@ -50,6 +51,13 @@ pub const EMISSION: Parameter<Emission> = parameter(
 );
 /// For `sppm` and `ppm`.
 pub const DIRECT: Parameter<DirectLight> = parameter("how direct light is found", DirectLight::Sample, "sample");
+
+/// For methods that gather photons.
+pub const OCCLUSION: Parameter<Occlusion> = parameter(
+    "which photons count only where their origin is seen: off, none; unclear, those behind something that stands on the surface; all",
+    Occlusion::Unclear,
+    "unclear",
+);
 
 /// For methods that make paths from two ends and merge them.
 pub const LIGHT_SUBPATHS: Parameter<Auto<PhotonCount>> = parameter(

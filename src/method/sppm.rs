@@ -27,7 +27,7 @@ use super::parameters::{ParameterSet, parameters, read_method};
 use super::photon_pass::{PhotonPasses, PhotonsOf, add_to_tally};
 use super::pilot::CameraPaths;
 use super::shared_parameters::{
-    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
+    ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
 };
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
@@ -36,7 +36,8 @@ use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::emission_learning::GuideParts;
-use crate::transport::photon_map::{Gathered, Photon, PhotonMap};
+use crate::transport::occlusion::Occlusion;
+use crate::transport::photon_map::{Gathered, OriginPhoton, PhotonMap};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -63,6 +64,7 @@ parameters! {
         direct: DirectLight = DIRECT,
         light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
+        occlusion: Occlusion = OCCLUSION,
         passes: Passes = PASSES,
     }
 }
@@ -100,6 +102,7 @@ impl ParameterizedMethod for Parameters {
             first_radius: self.initial_radius.meters(),
             emission: self.emission,
             guide_parts: GuideParts::Cells,
+            occlusion: self.occlusion,
         };
         Box::new(Sppm { passes })
     }
@@ -115,7 +118,7 @@ impl Sppm {
     fn trace_pixel(
         &self,
         pass: &Pass<'_>,
-        map: &PhotonMap,
+        map: &PhotonMap<f32>,
         (pixel, random): (usize, &PathRandom),
         radius_squared: f32,
         tally: &mut PixelTally,
@@ -124,7 +127,8 @@ impl Sppm {
         let mut gathered = Gathered::default();
         let radiance = self.passes.camera_path(random, pixel, counters, |point, radiance, counters| {
             *radiance += point.throughput * self.passes.direct_light(point, random, counters);
-            gathered.add(&self.passes.gather(map, point, radius_squared * pass.scale), point.throughput);
+            let found = self.passes.gather(map, point, radius_squared * pass.scale, counters);
+            gathered.add(&found, point.throughput);
         });
         add_to_tally(tally, pass, radiance, &gathered, counters);
     }
@@ -133,7 +137,8 @@ impl Sppm {
 impl PreparedMethod for Sppm {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
         let photons = PhotonsOf::pass(pass);
-        let (map, mut total) = self.passes.trace_photons::<Photon>(&photons, pass.typical_radius_squared, cancel)?;
+        let (map, mut total) =
+            self.passes.trace_photons::<OriginPhoton>(&photons, pass.typical_radius_squared, cancel)?;
         let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         let width = self.passes.scene.width as usize;
         let first_pixel = pass.region.row_start as usize * width;

@@ -21,14 +21,15 @@ use super::parameter_values::{
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{
-    ALPHA, HEURISTIC, LENGTH, LIGHT_PICKS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, PASSES, RADIUS_RULE, SHOW,
-    STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
+    ALPHA, HEURISTIC, LENGTH, LIGHT_PICKS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, OCCLUSION, PASSES, RADIUS_RULE,
+    SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
 };
 use super::visibility_pilot::LightSampling;
 use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
 use crate::estimate::RadiusRule;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
+use crate::transport::occlusion::Occlusion;
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -52,6 +53,7 @@ parameters! {
         radius_rule: RadiusRule = RADIUS_RULE,
         photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
         initial_radius: Auto<Radius> = MERGING_RADIUS,
+        occlusion: Occlusion = OCCLUSION,
         heuristic: Heuristic = HEURISTIC,
         strategy: All<Subpaths> = STRATEGY,
         show: Show = SHOW,
@@ -74,7 +76,7 @@ impl Parameters {
         let techniques = techniques.with(Techniques::MERGE, self.merge.is_on());
         let Self { max_depth, rr_depth, length, strategy, show, .. } = *self;
         let paths = Paths { max_depth, rr_depth, length, strategy, show };
-        let merging = MergeSettings::discs(self.initial_radius.meters());
+        let merging = MergeSettings::discs(self.initial_radius.meters(), self.occlusion);
         PassSettings {
             heuristic: self.heuristic,
             merging,

@@ -11,9 +11,11 @@ use std::f32::consts::FRAC_1_PI;
 use crate::math::Rgb;
 use crate::scene::Scene;
 
+use super::Counters;
 use super::camera_walk::GatherPoint;
 use super::kernel::Kernel;
-use super::photon_map::{Nearest, PhotonLookup};
+use super::occlusion::{Occlusion, Sight};
+use super::photon_map::{GatherQuery, Nearest, PhotonLookup, PhotonMap};
 use super::receiver::{Counting, Receiver};
 
 /// How radiance is estimated from a photon map.
@@ -25,6 +27,8 @@ pub struct DensityEstimate {
     pub largest_radius_squared: f32,
     /// K.
     pub kernel: Kernel,
+    /// Which photons count only where their origin is seen.
+    pub occlusion: Occlusion,
 }
 
 impl DensityEstimate {
@@ -33,15 +37,17 @@ impl DensityEstimate {
     pub fn reflected(
         &self,
         scene: &Scene,
-        map: &impl PhotonLookup,
+        map: &PhotonMap<f32>,
         point: &GatherPoint,
         most_segments: u32,
         found: &mut Nearest,
+        counters: &mut Counters,
     ) -> Rgb {
         let receiver = Receiver::new(scene, &point.hit, point.view());
         let radius_squared = self.largest_radius_squared;
         let query = receiver.query(Counting { radius_squared, most_segments, caustics_only: false });
         map.nearest(&query, self.neighbors, found);
+        self.leave_out_unseen(scene, map, point, &query, found, counters);
         let inverse_radius_squared = 1.0 / found.radius_squared();
         let mut sum = Rgb::ZERO;
         for (distance_squared, index) in found.photons() {
@@ -51,5 +57,34 @@ impl DensityEstimate {
                 * receiver.constant().unwrap_or_else(|| receiver.value(receiver.incident(map.direction(index))));
         }
         sum * (inverse_radius_squared * FRAC_1_PI)
+    }
+
+    /// Finds the nearest photons that count, where some that were found do not.
+    fn leave_out_unseen(
+        &self,
+        scene: &Scene,
+        map: &PhotonMap<f32>,
+        point: &GatherPoint,
+        query: &GatherQuery,
+        found: &mut Nearest,
+        counters: &mut Counters,
+    ) {
+        let near = GatherQuery { radius_squared: found.radius_squared(), ..*query };
+        let Some(sight) = Sight::new(scene, &point.hit, &near, self.occlusion) else { return };
+        let mut counts =
+            |sight: &Sight<'_>, index: usize| sight.accepts(&map.photon(index), map.extras()[index], counters);
+        if found.photons().all(|(_, index)| counts(&sight, index)) {
+            return;
+        }
+        let Some(sight) = Sight::new(scene, &point.hit, query, self.occlusion) else { return };
+        found.begin(query.radius_squared);
+        map.visit_disc(query, |index, _| {
+            let distance_squared = query.distance_squared(&map.photon(index));
+            if distance_squared < found.radius_squared() && counts(&sight, index) {
+                found.take(distance_squared, index);
+                found.forget(self.neighbors);
+            }
+        });
+        found.end(self.neighbors);
     }
 }

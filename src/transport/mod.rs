@@ -15,6 +15,7 @@ pub mod light_path;
 pub mod light_trials;
 pub mod limits;
 pub mod multiple_importance;
+pub mod occlusion;
 pub mod photon_map;
 pub mod photon_tracing;
 pub mod receiver;

@@ -11,7 +11,7 @@ use crate::scene::material::{Lobes, View};
 use super::counters::Counters;
 use super::light_path::{LightVertices, trace_light_path};
 use super::limits::Limits;
-use super::photon_map::{Photon, TracedPhoton};
+use super::photon_map::{PathSegment, Photon, TracedPhoton};
 use super::shading::Scattering;
 use super::walk::Walk;
 
@@ -63,7 +63,8 @@ impl<R: TracedPhoton> LightVertices for Storing<'_, R> {
         let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
         if walk.segments >= settings.first_stored_segment && scene.material(hit.shape).lobes().any(takers) {
             let photon = stored(hit, walk.throughput, walk.segments, scattered);
-            self.photons.extend(photon.map(|photon| R::of_path(photon, path)));
+            let segment = PathSegment { path, length: hit.distance };
+            self.photons.extend(photon.map(|photon| R::traced(photon, segment)));
         }
     }
 

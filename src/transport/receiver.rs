@@ -84,6 +84,26 @@ impl<'a> Receiver<'a> {
         });
     }
 
+    /// [`gather`](Self::gather) of the photons that `counts` wants, by their indices; `None` where it wants all.
+    pub fn gather_some(
+        &self,
+        photons: &impl PhotonLookup,
+        counting: Counting,
+        mut counts: impl FnMut(usize) -> bool,
+    ) -> Option<Gathered> {
+        let mut gathered = Gathered::default();
+        let mut leaves_out = false;
+        photons.visit_disc(&self.query(counting), |index, is_inner| {
+            if counts(index) {
+                let flux = self.value(self.incident(photons.direction(index))) * photons.flux(index);
+                gathered.add_photon(flux, is_inner);
+            } else {
+                leaves_out = true;
+            }
+        });
+        leaves_out.then_some(gathered)
+    }
+
     /// What it reflects of the photons in a disc: Σ f_r·α, un-normalised, W·sr⁻¹; and their number.
     #[inline]
     pub fn gather(&self, photons: &impl PhotonLookup, counting: Counting) -> Gathered {

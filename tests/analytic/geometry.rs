@@ -12,7 +12,7 @@ use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Vec3, warp};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::ray::Shear;
-use photonfarm::scene::geometry::{Geometry, Primitive, Ray};
+use photonfarm::scene::geometry::{Geometry, Layer, Primitive, Ray};
 use scene_text::prepare;
 
 fn uniform(family: u32, index: u32) -> [f32; 4] {
@@ -192,6 +192,50 @@ fn zoo(scale: &str) -> Scene {
 }
 
 const PRIMITIVES: u32 = 4 + 12 + 4;
+
+/// Rays within a layer are blocked by its obstacles exactly where anything blocks them, also where there are more obstacles than are
+/// kept, and instances; and most layers have none.
+#[test]
+fn analytic_obstacles_of_a_layer_block_what_all_primitives_block() {
+    let (ball, ..) = icosphere_scene("<scale value='0.7'/>", |point| point);
+    let group = format!("<shape type='shapegroup' id='group'><shape type='disk'>{TWO_SIDED}</shape></shape>");
+    let instance =
+        "<shape type='instance'><ref id='group'/><transform name='to_world'><scale value='0.5'/></transform></shape>";
+    let floor = format!("<shape type='rectangle'>{TWO_SIDED}</shape>");
+    let scenes = [("zoo", zoo("1")), ("ball", ball), ("instance", scene(&format!("{floor}{group}{instance}"), &[]))];
+    for (what, scene) in &scenes {
+        let geometry = &scene.geometry;
+        let (mut blocked, mut clear, mut told) = (0, 0, 0);
+        for index in 0..20_000 {
+            let (place, normal) = (in_cube(20, index), direction(21, index));
+            let [wide, low, thick, _] = uniform(22, index);
+            let radius = 0.3 * wide;
+            let heights = [low * radius, (low + thick) * radius];
+            let obstacles = geometry.obstacles(&Layer::new(place, normal, radius, heights));
+            clear += u32::from(obstacles.is_empty());
+            // Two points in the layer.
+            let across = normal.any_orthonormal_vector();
+            let ends = [0, 1].map(|end| {
+                let [turn, out, up, _] = uniform(23 + end, index);
+                let (sin, cos) = (std::f32::consts::TAU * turn).sin_cos();
+                let out = radius * out.sqrt();
+                place
+                    + (across * cos + normal.cross(across) * sin) * out
+                    + normal * (heights[0] + (heights[1] - heights[0]) * up)
+            });
+            let between = ends[1] - ends[0];
+            let length = between.length();
+            let ray = Ray { origin: ends[0], direction: between / length, length };
+            let expected = geometry.is_blocked(&ray);
+            assert_eq!(geometry.is_blocked_within(&ray, &obstacles), expected, "{what}: {ray:?}");
+            blocked += u32::from(expected);
+            told += u32::from(expected && !obstacles.needs_tree());
+        }
+        println!("{what}: {blocked} rays blocked, {told} by obstacles that were kept; {clear} layers clear");
+        assert!(blocked > 300 && clear > 5000, "{what}: {blocked} rays blocked, {clear} layers clear");
+        assert!(told > 0 && told < blocked, "{what}: {told} of {blocked} by obstacles that were kept");
+    }
+}
 
 fn search(geometry: &Geometry, ray: &Ray) -> Option<f32> {
     let shear = Shear::new(ray.direction);

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use photonfarm::estimate::Picture;
 use photonfarm::scene::Scene;
 
 use crate::pictures::{
@@ -20,18 +21,22 @@ fn divided_room(camera: &str) -> Arc<Scene> {
 #[test]
 fn a_thin_wall_is_black_from_behind() {
     let scene = divided_room(&camera("1.5, 0, 0", "0, 0, 0", "0, 1, 0", 60.0, 16));
-    for method in ["sppm", "ppm", "path", "bdpt"] {
+    for method in ["sppm", "ppm", "path", "bdpt", "vcm", "pbdpm", "bdpm", "photon_map"] {
         let seen = picture(&scene, method, &with_photons(method, 16384), 4);
         assert!(grays(&seen).iter().all(|value| *value == 0.0), "{method}: light passes the wall");
     }
-    // Methods whose paths go on see what creeps under the wall elsewhere.
-    for method in ["vcm", "pbdpm", "bdpm", "photon_map"] {
-        let seen = picture(&scene, method, &with_photons(method, 16384), 4);
-        assert_below(mean(&seen), 1e-3, &format!("{method}: light on the wall's dark side"));
+    // Where origins are not looked for, methods whose paths go on see what creeps under the wall elsewhere.
+    for method in ["sppm", "vcm", "pbdpm", "bdpm", "photon_map"] {
+        let seen = picture(&scene, method, r#"{"photons_per_pass": 16384, "occlusion": "off"}"#, 4);
+        assert_below(
+            mean(&seen),
+            if method == "sppm" { f64::MIN_POSITIVE } else { 1e-3 },
+            &format!("{method}: light on the wall's dark side"),
+        );
     }
 }
 
-/// Discs on the dark room's floor reach under the wall to where the floor is lit. What leaks stays within the largest first
+/// Discs on the dark room's floor reach under the wall to where the floor is lit. Where origins are not looked for, what leaks stays within the largest first
 /// radius of the wall, and the probing of discs for obstacles keeps it small.
 #[test]
 fn little_light_creeps_under_a_thin_wall() {
@@ -42,13 +47,88 @@ fn little_light_creeps_under_a_thin_wall() {
         assert_eq!(mean(&picture(&dark, method, "{}", 4)), 0.0, "{method}");
     }
     for (method, bound) in [("sppm", 0.0015), ("ppm", 0.001), ("vcm", 0.0015)] {
-        let seen = picture(&dark, method, &with_photons(method, 16384), 16);
+        let seen = picture(&dark, method, r#"{"photons_per_pass": 16384, "occlusion": "off"}"#, 16);
         assert_below(mean(&seen) / light, bound, &format!("{method}: light in the dark room over that in the lit one"));
         // The largest first radius is 5 % of the scene's: 0.12 m, or two pixels. Paths of vcm go on from where light creeps.
         if method != "vcm" {
             assert_eq!(mean_of_rows(&seen, 3..32), 0.0, "{method}: light far from the wall");
         }
     }
+}
+
+/// Photons whose origin the gather point does not see do not count: no light at all passes under the wall, neither with direct light by
+/// sampling nor by photons.
+#[test]
+fn no_light_creeps_under_a_wall_where_origins_must_be_seen() {
+    let dark = divided_room(&camera("1, 0.9, 0", "1, -1, 0", "-1, 0, 0", 55.0, 32));
+    let by_photons = r#""direct": "photons", "#;
+    let jobs = [
+        ("sppm", by_photons),
+        ("ppm", by_photons),
+        ("sppm", ""),
+        ("vcm", ""),
+        ("pbdpm", ""),
+        ("bdpm", ""),
+        ("photon_map", ""),
+    ];
+    for (method, direct) in jobs {
+        for occlusion in ["unclear", "all", "off"] {
+            let parameters = format!(r#"{{{direct}"photons_per_pass": 16384, "occlusion": "{occlusion}"}}"#);
+            let light = mean(&picture(&dark, method, &parameters, 6));
+            println!("{method} {parameters}: {light:.2e} in the dark room");
+            assert_eq!(light > 0.0, occlusion == "off", "{method}, occlusion {occlusion}: {light}");
+        }
+    }
+}
+
+/// In a convex room every point sees every origin: nothing stands before any photon and not a bit changes, and testing all leaves hardly
+/// any out.
+#[test]
+fn tests_of_origins_change_nothing_in_a_convex_room() {
+    let room = scene(&[
+        &camera("-0.9, -0.5, -0.8", "1, 0.1, 1", "0, 1, 0", 90.0, 32),
+        &room([1.0; 3], &matte(0.7)),
+        &point_light("0.3, 0.5, -0.2", 1.0),
+    ]);
+    for method in ["sppm", "ppm"] {
+        let seen = ["off", "unclear", "all"].map(|occlusion| {
+            let parameters =
+                format!(r#"{{"photons_per_pass": 16384, "direct": "photons", "occlusion": "{occlusion}"}}"#);
+            picture(&room, method, &parameters, 8).radiance
+        });
+        assert!(seen[0] == seen[1], "{method}: photons between which and the point something stands");
+        // The direction that a photon keeps is 0.05 mrad off: an origin that is seen along a wall may seem to lie behind it.
+        let [untested, tested] =
+            [&seen[0], &seen[2]].map(|radiance| radiance.iter().flatten().map(|value| f64::from(*value)).sum::<f64>());
+        assert_close(tested, untested, 2e-3, &format!("{method}: photons whose origin is seen"));
+    }
+}
+
+/// A dim room beside one 50 times as bright is as bright as `path` finds it, also next to the wall.
+#[test]
+fn a_dim_room_beside_a_bright_one_stays_dim() {
+    let grey = matte(0.6);
+    let view = camera("1, 0.9, 0", "1, -1, 0", "-1, 0, 0", 55.0, 24);
+    let wall = sheet("0, 0, 0", "1, 0, 0", "0, 1, 0", [1.0, 1.0], &two_sided(&grey));
+    let parts = [view, room([2.0, 1.0, 1.0], &grey), wall, point_light("1, 0.3, 0", 1.0)].concat();
+    let (dim, both) = (scene(&[&parts]), scene(&[&parts, &point_light("-1, 0.3, 0", 50.0)]));
+    let truth = picture(&dim, "path", "{}", 512);
+    let seen = |occlusion: &str| {
+        let parameters = format!(r#"{{"photons_per_pass": 65536, "occlusion": "{occlusion}"}}"#);
+        picture(&both, "sppm", &parameters, 64)
+    };
+    let (tested, untested) = (seen("unclear"), seen("off"));
+    // Rows of the floor from the wall on.
+    let worst = |seen: &Picture| {
+        let off = (0..8).map(|block| {
+            (mean_of_rows(seen, 3 * block..3 * block + 3) / mean_of_rows(&truth, 3 * block..3 * block + 3) - 1.0).abs()
+        });
+        off.fold(0.0, f64::max)
+    };
+    assert_close(mean(&tested), mean(&truth), 0.02, "sppm: a dim room beside a bright one");
+    assert_below(worst(&tested), 0.05, "sppm: worst of 8 strips of the floor");
+    println!("without the test: worst {:.3}, mean {:+.4}", worst(&untested), mean(&untested) / mean(&truth) - 1.0);
+    assert!(worst(&untested) > 0.1, "the wall should leak without the test");
 }
 
 /// Photons on a shelf close over a floor face the same way as the floor: only their height tells them apart.
@@ -172,7 +252,8 @@ fn ninety_nine_unseen_rooms_add_little_noise() {
 fn what_creeps_under_a_wall_vanishes() {
     let scene = divided_room(&camera("1, 0.9, 0", "1, -1, 0", "-1, 0, 0", 55.0, 16));
     let ratio = |alpha: f64| {
-        let parameters = format!(r#"{{"photons_per_pass": 2048, "radius_rule": "schedule", "alpha": {alpha}}}"#);
+        let parameters =
+            format!(r#"{{"photons_per_pass": 2048, "radius_rule": "schedule", "alpha": {alpha}, "occlusion": "off"}}"#);
         let light = |passes| mean(&estimate(&scene, "sppm", &parameters, passes).picture());
         light(256) / light(16)
     };

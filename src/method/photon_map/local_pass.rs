@@ -41,7 +41,7 @@ impl LocalPass<'_> {
     /// Direct light and caustics at a point, as the camera sees them.
     fn direct_and_caustic(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, caustic, .. } = self.method;
-        let mut reflected = self.look_up(caustic, &self.maps.caustic, at);
+        let mut reflected = self.look_up(caustic, &self.maps.caustic, at, counters);
         if limits.allows(at.segments + 1) {
             reflected += direct_light(scene, at, random, counters);
         }
@@ -52,7 +52,7 @@ impl LocalPass<'_> {
     fn indirect(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
         let rays = self.method.gather_rays;
         if rays == 0 {
-            return at.throughput * self.look_up(&self.method.global, &self.maps.global, at);
+            return at.throughput * self.look_up(&self.method.global, &self.maps.global, at, counters);
         }
         let [shift_x, shift_y, ..] = random.block(dimension::scattering(at.segments));
         let sum: Rgb = (0..rays)
@@ -89,7 +89,7 @@ impl LocalPass<'_> {
                         let u = random.block(dimension::scattering(at.segments));
                         self.gather_ray(at, u, random, counters)
                     }
-                    false => at.throughput * self.look_up(global, &self.maps.global, at),
+                    false => at.throughput * self.look_up(global, &self.maps.global, at, counters),
                 };
             }
         });
@@ -97,12 +97,12 @@ impl LocalPass<'_> {
     }
 
     /// Radiance that the point's lobes reflect of the photons in `map`.
-    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap, at: &GatherPoint) -> Rgb {
+    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap<f32>, at: &GatherPoint, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, photons_per_pass, .. } = self.method;
         if map.is_empty() {
             return Rgb::ZERO;
         }
         let most_segments = limits.most_photon_segments(at.segments);
-        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found) / *photons_per_pass as f32
+        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found, counters) / *photons_per_pass as f32
     }
 }

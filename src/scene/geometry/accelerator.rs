@@ -5,12 +5,13 @@
 
 use std::time::Duration;
 
-use glam::Vec3;
+use glam::{UVec2, Vec3, Vec3A};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
-use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, ray::RayHit};
+use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, ray::RayHit, traverse};
 
 use super::block::{self, Block, BlockKind};
+use super::obstacles::{Layer, Obstacles};
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, Shear, largest};
 
@@ -126,6 +127,27 @@ impl Accelerator {
         )
     }
 
+    /// Adds the primitives that may reach into `layer`, until there are too many.
+    #[inline]
+    pub fn collect(&self, layer: &Layer, obstacles: &mut Obstacles) {
+        let mut goes_on = |leaf: &Leaf| {
+            let mut found = leaf.block.may_reach(layer) & ((1 << leaf.count) - 1);
+            while found != 0 {
+                let index = (leaf.first + found.trailing_zeros()) as usize;
+                if layer.may_hold(&self.primitives[index]) && !obstacles.add(index) {
+                    return false;
+                }
+                found &= found - 1;
+            }
+            true
+        };
+        if self.blocks.len() <= FEW_BLOCKS {
+            self.blocks.iter().all(goes_on);
+        } else {
+            visit_boxes(&self.tree, self.scale, layer, |index| goes_on(&self.blocks[index]));
+        }
+    }
+
     #[inline(always)]
     fn intersect(&self, leaf: &Leaf, ray: &Ray, shear: &Shear, length: f32) -> Option<(usize, PrimitiveHit)> {
         let first = leaf.first as usize;
@@ -185,11 +207,38 @@ impl BoxTree {
         });
     }
 
+    /// Whether `layer` may reach into a box.
+    #[inline]
+    pub fn may_meet(&self, layer: &Layer) -> bool {
+        let mut meets = false;
+        visit_boxes(&self.tree, self.scale, layer, |_| {
+            meets = true;
+            false
+        });
+        meets
+    }
+
     /// Shows `visit` the boxes along `ray` until it says yes; whether it did.
     #[inline]
     pub fn visit_any(&self, ray: &Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
         let answer = |yes| if yes { 0.0 } else { f32::INFINITY };
         !self.tree.ray_traverse_miss(tree_ray(ray, self.scale), |_, index| answer(visit(index)))
+    }
+}
+
+/// Shows `goes_on` the boxes that meet the one around `layer`, until it says no.
+#[inline]
+fn visit_boxes(tree: &CwBvh, scale: f32, layer: &Layer, mut goes_on: impl FnMut(usize) -> bool) {
+    let (low, high) = layer.bounds();
+    let bounds = Aabb { min: (low * scale).into(), max: (high * scale).into() };
+    let mut state = tree.new_traversal(Vec3A::ONE);
+    let mut node;
+    'boxes: {
+        traverse!(tree, node, state, node.intersect_aabb(&bounds, state.oct_inv4), {
+            if !goes_on(state.primitive_id as usize) {
+                break 'boxes;
+            }
+        });
     }
 }
 

@@ -5,6 +5,7 @@
 
 use glam::Vec3;
 
+use super::obstacles::Layer;
 use super::one_sided_triangle::OneSidedTriangle;
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, Shear};
@@ -142,6 +143,43 @@ impl Block {
             Self::Single => primitives[0].intersect(ray, shear, length).map(|hit| BlockHit { lane: 0, hit }),
         }
     }
+
+    /// Bits of the lanes whose primitive may reach into `layer`, in spare lanes too; 0 only where it does not.
+    #[inline]
+    pub fn may_reach(&self, layer: &Layer) -> u32 {
+        match self {
+            Self::Triangles(vertices) | Self::OneSidedTriangles(vertices) => triangles_may_reach(vertices, layer),
+            Self::Flat(lanes) => lanes.may_reach(layer),
+            Self::Single => 1,
+        }
+    }
+}
+
+/// By heights over the surface and by boxes; triangles of the surface itself lie below the layer.
+#[inline]
+fn triangles_may_reach([a, b, c]: &[VectorLanes; 3], layer: &Layer) -> u32 {
+    let (low, high) = layer.bounds();
+    let (low, high, center, normal) =
+        (low.to_array(), high.to_array(), layer.center.to_array(), layer.normal.to_array());
+    let height = |vertex: &VectorLanes, lane: usize| {
+        let relative = [0, 1, 2].map(|axis| vertex[axis][lane] - center[axis]);
+        relative[0] * normal[0] + relative[1] * normal[1] + relative[2] * normal[2]
+    };
+    let mut reaches = [false; LANES];
+    for (lane, reaches) in reaches.iter_mut().enumerate() {
+        let heights = [height(a, lane), height(b, lane), height(c, lane)];
+        let (least, most) =
+            (smaller(smaller(heights[0], heights[1]), heights[2]), larger(larger(heights[0], heights[1]), heights[2]));
+        *reaches = (least <= layer.half) & (most >= -layer.half);
+    }
+    for axis in 0..3 {
+        for (lane, reaches) in reaches.iter_mut().enumerate() {
+            let (a, b, c) = (a[axis][lane], b[axis][lane], c[axis][lane]);
+            let (least, most) = (smaller(smaller(a, b), c), larger(larger(a, b), c));
+            *reaches &= (least <= high[axis]) & (most >= low[axis]);
+        }
+    }
+    (0..LANES).fold(0, |mask, lane| mask | u32::from(reaches[lane]) << lane)
 }
 
 /// The lane with the smallest distance, the first of equals; `None` when all are infinite.
@@ -249,5 +287,18 @@ impl FlatLanes {
         }
         let lane = nearest_lane(&distance)?;
         Some(BlockHit { lane, hit: PrimitiveHit::at(distance[lane]) })
+    }
+
+    /// By their planes.
+    #[inline]
+    fn may_reach(&self, layer: &Layer) -> u32 {
+        let (center, normal) = (layer.center.to_array(), layer.normal.to_array());
+        let mut reaches = [false; LANES];
+        for (lane, reaches) in reaches.iter_mut().enumerate() {
+            let to_center = [0, 1, 2].map(|axis| self.center[axis][lane] - center[axis]);
+            let cosine = dot(&self.normal, normal, lane);
+            *reaches = dot(&self.normal, to_center, lane).abs() <= layer.reach(cosine);
+        }
+        (0..LANES).fold(0, |mask, lane| mask | u32::from(reaches[lane]) << lane)
     }
 }

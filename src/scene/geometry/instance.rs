@@ -4,6 +4,7 @@
 use glam::{DMat3, DVec3, Mat3, Vec3};
 
 use super::accelerator::BoxTree;
+use super::obstacles::Layer;
 use super::parameterization::tangent_frame;
 use super::ray::{PrimitiveHit, Ray, largest, position_error};
 use super::surface::{Geometry, Interaction};
@@ -196,6 +197,11 @@ impl Instances {
             let group = self.group(instance);
             group.geometry.accelerator.is_blocked(&instance.ray_in(group, ray, ray.length).0)
         })
+    }
+
+    /// Whether the box of an instance reaches into `layer`.
+    pub(super) fn may_reach(&self, layer: &Layer) -> bool {
+        self.tree.may_meet(layer)
     }
 
     pub(super) fn interaction(&self, ray: &Ray, found: &InstanceHit) -> Interaction {

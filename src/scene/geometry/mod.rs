@@ -8,6 +8,7 @@ pub mod disk;
 pub mod instance;
 pub mod mesh;
 pub mod obj;
+pub mod obstacles;
 pub mod one_sided_triangle;
 pub mod parameterization;
 pub mod ply;
@@ -23,6 +24,7 @@ pub mod triangle;
 pub mod triangle_mesh;
 
 pub use instance::Instance;
+pub use obstacles::{Layer, Obstacles};
 pub use primitive::Primitive;
 pub use ray::Ray;
 pub use surface::{Geometry, Interaction, Shape};

@@ -92,4 +92,18 @@ impl Primitive {
             Self::Sphere(_) | Self::Cylinder(_) => false,
         }
     }
+
+    /// A point and the unit normal of the plane that it lies in, if it lies in one.
+    #[inline]
+    pub fn plane(&self) -> Option<(Vec3, Vec3)> {
+        match self {
+            Self::Triangle(triangle) | Self::OneSidedTriangle(OneSidedTriangle(triangle)) => {
+                let [a, b, c] = triangle.vertices;
+                Some((a, (b - a).cross(c - a).normalize()))
+            }
+            Self::Rectangle(rectangle) => Some((rectangle.frame().center, rectangle.frame().normal)),
+            Self::Disk(disk) => Some((disk.frame().center, disk.frame().normal)),
+            Self::Sphere(_) | Self::Cylinder(_) => None,
+        }
+    }
 }

@@ -13,7 +13,8 @@ use crate::scene::geometry::Ray;
 use crate::scene::geometry::surface::NO_LIGHT;
 use crate::scene::material::TransportMode;
 use crate::transport::kernel::Kernel;
-use crate::transport::photon_map::{Gathered, Nearest, PhotonLookup};
+use crate::transport::occlusion::{Occlusion, Sight};
+use crate::transport::photon_map::{GatherQuery, Gathered, Nearest, PhotonLookup};
 use crate::transport::receiver::{Counting, Receiver};
 use crate::transport::visibility::{Blockers, Joint, SHADOW_END, transmittance};
 use crate::transport::{Counters, shading};
@@ -185,6 +186,8 @@ pub struct Merging<'a, L> {
     pub kernel: Kernel,
     /// Only the nearest of them, at least 2; 0 for all within the radius.
     pub neighbors: u32,
+    /// Which count only where their origin is seen.
+    pub occlusion: Occlusion,
 }
 
 /// Un-normalised flux and photons that merge with a camera vertex within √`radius_squared`. Where only the nearest count, the
@@ -194,29 +197,25 @@ pub fn merge<L: PhotonLookup>(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
     merging: &Merging<'_, L>,
-    radius_squared: f32,
-    acceptance: f32,
+    (radius_squared, acceptance): (f32, f32),
     nearest: &mut Nearest,
+    counters: &mut Counters,
 ) -> Gathered {
     let hit = &camera.hit;
     let receiver = Receiver::new(walk.scene, hit, shading::view(hit, TransportMode::Radiance));
     let most_segments = walk.limits.most_photon_segments(camera.segments);
     let query = receiver.query(Counting { radius_squared, most_segments, caustics_only: false });
-    let Merging { photons, kernel, neighbors, .. } = *merging;
     let mut sum = MergeSum { walk, camera, merging, receiver, acceptance, gathered: Gathered::default() };
-    if neighbors > 0 {
-        photons.nearest(&query, neighbors as usize, nearest);
-        let nearer = nearest.radius_squared();
-        for (distance_squared, index) in nearest.photons() {
-            sum.add(index, kernel.weights(distance_squared / nearer).map(|weight| weight * (radius_squared / nearer)));
-        }
-    } else if kernel == Kernel::Disc {
-        photons.visit_disc(&query, |index, is_inner| sum.add(index, [1.0, f32::from(is_inner)]));
-    } else {
-        photons.visit_disc(&query, |index, _| {
-            let offset = Vec3::from_array(photons.photon(index).position) - hit.position;
-            sum.add(index, kernel.weights(offset.length_squared() / radius_squared));
-        });
+    sum.add_disc(&query, nearest, |_| true);
+    if sum.gathered.photons == 0.0 {
+        return sum.gathered;
+    }
+    if let Some(sight) = Sight::new(walk.scene, hit, &query, merging.occlusion) {
+        sum.gathered = Gathered::default();
+        let accepts = |index: usize| {
+            sight.accepts(&merging.photons.photon(index), merging.records[index].origin_distance, counters)
+        };
+        sum.add_disc(&query, nearest, accepts);
     }
     sum.gathered
 }
@@ -232,6 +231,34 @@ struct MergeSum<'a, L> {
 }
 
 impl<L: PhotonLookup> MergeSum<'_, L> {
+    /// Adds the photons of a disc that `counts` wants, by their indices.
+    #[inline]
+    fn add_disc(&mut self, query: &GatherQuery, nearest: &mut Nearest, mut counts: impl FnMut(usize) -> bool) {
+        let Merging { photons, kernel, neighbors, .. } = *self.merging;
+        let radius_squared = query.radius_squared;
+        if neighbors > 0 {
+            photons.nearest(query, neighbors as usize, nearest);
+            let nearer = nearest.radius_squared();
+            for (distance_squared, index) in nearest.photons().filter(|(_, index)| counts(*index)) {
+                let weights = kernel.weights(distance_squared / nearer);
+                self.add(index, weights.map(|weight| weight * (radius_squared / nearer)));
+            }
+        } else if kernel == Kernel::Disc {
+            photons.visit_disc(query, |index, is_inner| {
+                if counts(index) {
+                    self.add(index, [1.0, f32::from(is_inner)]);
+                }
+            });
+        } else {
+            photons.visit_disc(query, |index, _| {
+                if counts(index) {
+                    let offset = Vec3::from_array(photons.photon(index).position) - query.position;
+                    self.add(index, kernel.weights(offset.length_squared() / radius_squared));
+                }
+            });
+        }
+    }
+
     /// Adds the photon with an index: its shares of the flux and of the inner flux.
     #[inline(always)]
     fn add(&mut self, index: usize, [share, inner_share]: [f32; 2]) {

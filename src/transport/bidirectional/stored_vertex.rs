@@ -1,4 +1,4 @@
-//! What is kept of light subpaths for a whole pass: vertices to connect with, 80 bytes each, and photons to merge with, 48 bytes each.
+//! What is kept of light subpaths for a whole pass: vertices to connect with, 80 bytes each, and photons to merge with, 52 bytes each.
 
 use super::vertex::Vertex;
 use super::weights::Sums;
@@ -101,6 +101,8 @@ pub struct MergeRecord {
     pub(super) sums: Sums,
     /// Segments of the light subpath up to here.
     pub(super) segments: u32,
+    /// How far the photon came from, m.
+    pub(super) origin_distance: f32,
 }
 
 /// A light vertex to merge with.
@@ -116,7 +118,7 @@ impl MergePhoton {
     pub fn new(vertex: &Vertex) -> Option<Self> {
         let Vertex { hit, throughput, sums, segments, .. } = vertex;
         let photon = stored(hit, *throughput, *segments, false)?;
-        Some(Self { photon, record: MergeRecord { sums: *sums, segments: *segments } })
+        Some(Self { photon, record: MergeRecord { sums: *sums, segments: *segments, origin_distance: hit.distance } })
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::photon::{Photon, PhotonColumns, PhotonColumnsMut, PhotonRecord, TracedPhoton};
+use super::photon::{OriginPhoton, Photon, PhotonColumns, PhotonColumnsMut, PhotonRecord, TracedPhoton};
 use super::{Grid, PhotonLookup, PhotonMap};
 use crate::math::Vec3;
 use crate::scene::Scene;
@@ -131,10 +131,11 @@ impl<E: Copy + Default + Send + Sync> PhotonMap<E> {
     }
 }
 
-impl PhotonMap {
+impl PhotonMap<f32> {
     /// A map of those photons that `keep` wants, in the order that they have here.
     pub fn select(&self, grid: Grid, keep: impl Fn(&Photon) -> bool) -> Self {
-        let photons: Vec<Photon> = (0..self.len()).map(|index| self.photon(index)).filter(keep).collect();
+        let traced = |index: usize| OriginPhoton { photon: self.photon(index), origin_distance: self.extras()[index] };
+        let photons: Vec<OriginPhoton> = (0..self.len()).map(traced).filter(|traced| keep(&traced.photon)).collect();
         Self::build(&[PhotonChunk::sort(&photons, &grid)], grid)
     }
 }

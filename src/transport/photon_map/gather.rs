@@ -32,6 +32,14 @@ pub struct GatherQuery {
 }
 
 impl GatherQuery {
+    /// The square of the least radius whose disc holds `photon`, m².
+    #[inline]
+    pub fn distance_squared(&self, photon: &Photon) -> f32 {
+        let offset = Vec3::from_array(photon.position) - self.position;
+        let height = offset.dot(self.normal) * (1.0 / FLATNESS);
+        offset.length_squared().max(height * height)
+    }
+
     /// What of a photon's top byte is compared with `most_segments`: scattered photons exceed it where they do not count.
     #[inline]
     fn segments_mask(&self) -> u32 {

@@ -15,7 +15,7 @@ pub use gather::{GatherQuery, Gathered};
 pub use grid::Grid;
 pub use lookup::PhotonLookup;
 pub use nearest::{FIRST_SEARCH_CELLS, Nearest};
-pub use photon::{PathPhoton, Photon, PhotonColumns, PhotonRecord, TracedPhoton};
+pub use photon::{OriginPhoton, PathPhoton, PathSegment, Photon, PhotonColumns, PhotonRecord, TracedPhoton};
 
 /// The photons of one pass in a grid, with whatever else methods keep of them.
 pub struct PhotonMap<E = ()> {

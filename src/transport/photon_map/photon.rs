@@ -1,4 +1,4 @@
-//! A photon, as a record while it is traced and as columns once it is sorted. 32 bytes either way.
+//! A photon, as a record while it is traced and as columns once it is sorted. 32 bytes either way, and 4 for how far it came.
 
 use bytemuck::{Pod, Zeroable};
 
@@ -43,28 +43,38 @@ impl PhotonRecord for Photon {
     fn extra(&self) {}
 }
 
+/// The last segment of a photon's path.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PathSegment {
+    /// The path's index in its pass.
+    pub path: u32,
+    /// Its length, m: the photon came from so far in its direction.
+    pub length: f32,
+}
+
 /// What photon tracing stores.
 pub trait TracedPhoton: PhotonRecord {
-    /// A photon of path `path` of its pass.
-    fn of_path(photon: Photon, path: u32) -> Self;
+    /// A photon at the end of `segment`.
+    fn traced(photon: Photon, segment: PathSegment) -> Self;
 }
 
 impl TracedPhoton for Photon {
     #[inline(always)]
-    fn of_path(photon: Photon, _: u32) -> Self {
+    fn traced(photon: Photon, _: PathSegment) -> Self {
         photon
     }
 }
 
-/// A photon that knows the path that it belongs to.
+/// A photon that knows how far it came.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct PathPhoton {
-    photon: Photon,
-    path: u32,
+pub struct OriginPhoton {
+    pub(super) photon: Photon,
+    pub(super) origin_distance: f32,
 }
 
-impl PhotonRecord for PathPhoton {
-    type Extra = u32;
+impl PhotonRecord for OriginPhoton {
+    /// The distance of its origin, m.
+    type Extra = f32;
 
     #[inline]
     fn photon(&self) -> &Photon {
@@ -72,15 +82,43 @@ impl PhotonRecord for PathPhoton {
     }
 
     #[inline]
-    fn extra(&self) -> u32 {
-        self.path
+    fn extra(&self) -> f32 {
+        self.origin_distance
+    }
+}
+
+impl TracedPhoton for OriginPhoton {
+    #[inline(always)]
+    fn traced(photon: Photon, segment: PathSegment) -> Self {
+        Self { photon, origin_distance: segment.length }
+    }
+}
+
+/// A photon that knows its path, too.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PathPhoton {
+    photon: Photon,
+    segment: PathSegment,
+}
+
+impl PhotonRecord for PathPhoton {
+    type Extra = PathSegment;
+
+    #[inline]
+    fn photon(&self) -> &Photon {
+        &self.photon
+    }
+
+    #[inline]
+    fn extra(&self) -> PathSegment {
+        self.segment
     }
 }
 
 impl TracedPhoton for PathPhoton {
     #[inline(always)]
-    fn of_path(photon: Photon, path: u32) -> Self {
-        Self { photon, path }
+    fn traced(photon: Photon, segment: PathSegment) -> Self {
+        Self { photon, segment }
     }
 }
 
@@ -107,6 +145,13 @@ impl Photon {
 }
 
 impl Photon {
+    /// The normal of its surface on the side where it arrived; its length is 1 to 2 %.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        let byte = |shift: u32| f32::from((self.normal_and_segments >> shift) as u8 as i8) / 127.0;
+        Vec3::new(byte(0), byte(8), byte(16))
+    }
+
     /// Segments of its path from the light to here; 127 stands for more too.
     #[inline]
     pub fn segments(&self) -> u32 {
