@@ -77,7 +77,7 @@ fn busy_rules() -> (Rules, Vec<WorkerId>) {
         workers.push(worker);
     }
     for job in (1..=JOBS).map(JobId::new) {
-        let stop = StopRule { passes: Some(1 << 30), seconds: None, error: None };
+        let stop = StopRule { passes: Some(1 << 30), ..StopRule::default() };
         let terms = Terms { stop, priority: Priority::DEFAULT, memory: 1, chooses_method: false, notices: Vec::new() };
         rules.apply(now, Event::JobAdded { job, terms });
         let Answer::Granted(lease) = rules.apply(now, Event::LeaseWanted { worker: workers[0] }).answer else {

@@ -100,9 +100,13 @@ const HEADER: &str = "\
 Made by `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md` (about 12 minutes on one core).
 
 Every job makes two independent pictures, of its even and of its odd passes. Their difference gives the noise of the mean, in relMSE; what is found inside half of
-each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is twice the estimate
-plus 1.645 standard deviations of it over blocks of 16 × 16 pixels, and is meant to hold in 95 % of pictures. Twice is a
-margin for Y, which an estimate without a reference must smooth: errors of dark pixels beside bright ones then look smaller than they are.
+each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is 1.15 times the estimate
+plus 1.645 standard deviations of it over blocks of 16 × 16 pixels, and is meant to hold in 95 % of pictures. The factor is a
+margin for Y, which an estimate without a reference takes from the pixels around: errors of dark pixels beside bright ones then look smaller than they are.
+
+Y leaves the pixel itself out unless it is known to 10 %. Its own value rises and falls with its error: with it errors looked small where they
+were large, by 27 % in the median of noisy pictures and by 63 % where few bright paths make all the noise, and the margin had to be 2. Correcting for the curvature of 1/Y² to second order
+instead made it worse: noise is skewed.
 
 It can only tell what its passes have seen. While the rare paths that carry much light have not been met (path tracing of caustics, light through a
 door), both twins miss them alike, and estimate and bound are too small. Methods that are blind to some light never learn of it; jobs say so beforehand.

@@ -137,7 +137,7 @@ fn start_worker(
 }
 
 fn passes(passes: u32) -> StopRule {
-    StopRule { passes: Some(passes), seconds: None, error: None }
+    StopRule { passes: Some(passes), ..StopRule::default() }
 }
 
 /// The bits that one undisturbed single-threaded worker makes.
@@ -291,7 +291,7 @@ async fn a_worker_that_is_asked_to_stop_gives_its_work_back() {
 async fn a_job_stopped_by_seconds_has_the_bits_of_a_job_of_as_many_passes() {
     let farm = Farm::start(Duration::from_secs(15)).await;
     let _worker = farm.worker("alone", 1);
-    let id = farm.submit("statistics", StopRule { passes: None, seconds: Some(0.8), error: None }).await;
+    let id = farm.submit("statistics", StopRule { seconds: Some(0.8), ..StopRule::default() }).await;
     let stopped = farm.bits(id).await;
     let done = farm.handle.job(id).expect("a job").passes_done;
     let id = farm.submit("statistics", passes(done)).await;
@@ -305,7 +305,7 @@ async fn a_job_stopped_by_its_error_has_the_same_bits_from_any_farm() {
     for workers in [1, 3] {
         let farm = Farm::start(Duration::from_secs(15)).await;
         let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
-        let id = farm.submit("statistics", StopRule { passes: None, seconds: None, error: Some(WANTED) }).await;
+        let id = farm.submit("statistics", StopRule { error: Some(WANTED), ..StopRule::default() }).await;
         let bits = farm.bits(id).await;
         let status = farm.handle.job(id).expect("a job");
         let error = status.estimated_error.expect("an error estimate");
@@ -405,7 +405,7 @@ async fn requests_that_cannot_be_met_say_why() {
     assert!(matches!(farm.handle.submit(unknown).await, Err(FarmError::UnknownScene(_))));
     let method = JobRequest { method: Some("magic".into()), ..good.clone() };
     assert!(matches!(farm.handle.submit(method).await, Err(FarmError::BadMethod(_))));
-    for stop in [passes(0), StopRule { passes: None, seconds: Some(f64::NAN), error: None }] {
+    for stop in [passes(0), StopRule { seconds: Some(f64::NAN), ..StopRule::default() }] {
         let never = JobRequest { stop, ..good.clone() };
         assert!(matches!(farm.handle.submit(never).await, Err(FarmError::BadRequest { .. })));
     }
@@ -519,6 +519,27 @@ async fn limits_are_kept_and_told() {
     let scene = farm.handle.add_scene(SCENE.into()).await.expect("a good scene").hash;
     let large = farm.handle.submit(JobRequest::of_scene(scene)).await;
     assert!(matches!(large, Err(FarmError::TooLarge { .. })), "{large:?}");
+}
+
+/// A method's own passes cannot tell of light that it never finds.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_blind_method_is_not_asked_for_an_error_by_mistake() {
+    let farm = Farm::start(Duration::from_secs(15)).await;
+    let blind = "<emitter type='point'/><shape type='sphere'><bsdf type='dielectric'/></shape></scene>";
+    let scene = farm.handle.add_scene(SCENE.replace("</scene>", blind).into()).await.expect("a good scene").hash;
+    let request = |method: &str, stop: StopRule| JobRequest {
+        method: Some(method.to_owned()),
+        stop,
+        ..JobRequest::of_scene(scene.clone())
+    };
+    let by_error = StopRule { error: Some(0.02), ..StopRule::default() };
+    let refused = farm.handle.submit(request("path", by_error)).await.expect_err("path is blind here");
+    assert!(refused.to_string().contains("path cannot find light that mirrors and glass throw"), "{refused}");
+    assert!(refused.to_string().contains("accepts_missing_light"), "{refused}");
+    let accepted = StopRule { accepts_missing_light: true, ..by_error };
+    farm.handle.submit(request("path", accepted)).await.expect("in so many words");
+    farm.handle.submit(request("path", passes(3))).await.expect("passes need no estimate");
+    farm.handle.submit(request("sppm", by_error)).await.expect("sppm finds all light");
 }
 
 /// Ended jobs and then their scenes are deleted when they are old enough, running ones are not.

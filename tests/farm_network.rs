@@ -67,7 +67,7 @@ type Fallible<T> = Result<T, Box<dyn Error + Send + Sync>>;
 /// Two jobs of different length, one whose radii depend on what was merged and one without radii.
 fn requests(scene: &str) -> [JobRequest; 2] {
     let parameters = serde_json::Map::from_iter([("photons_per_pass".to_owned(), json!(300))]);
-    let passes = |passes| StopRule { passes: Some(passes), seconds: None, error: None };
+    let passes = |passes| StopRule { passes: Some(passes), ..StopRule::default() };
     let named = |name: &str, method: &str| {
         let request = JobRequest::of_scene(scene.to_owned());
         JobRequest { name: Some(name.to_owned()), method: Some(method.to_owned()), ..request }

@@ -206,7 +206,7 @@ impl World {
     }
 
     fn submit(&mut self, job: JobId, passes: u32) {
-        let stop = StopRule { passes: Some(passes), seconds: None, error: None };
+        let stop = StopRule { passes: Some(passes), ..StopRule::default() };
         let priority = Priority::try_from(50 + 50 * self.random.below(4) as u16).expect("a priority");
         let terms = Terms { stop, priority, memory: 30, chooses_method: false, notices: Vec::new() };
         // It is durable before it is accepted.

@@ -12,7 +12,7 @@ use tokio::time::timeout;
 const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
 
 fn passes(passes: u32) -> StopRule {
-    StopRule { passes: Some(passes), seconds: None, error: None }
+    StopRule { passes: Some(passes), ..StopRule::default() }
 }
 
 fn request(scene: &str, stop: StopRule) -> JobRequest {

@@ -24,7 +24,7 @@ fn seconds(seconds: f64) -> Duration {
 }
 
 fn passes(passes: u32) -> StopRule {
-    StopRule { passes: Some(passes), seconds: None, error: None }
+    StopRule { passes: Some(passes), ..StopRule::default() }
 }
 
 fn id(number: u64) -> JobId {
@@ -467,7 +467,7 @@ fn a_job_whose_pilot_fails_three_times_fails_with_the_message() {
 
 #[test]
 fn seconds_end_a_job_with_what_has_arrived() {
-    let (mut farm, worker) = running_farm(StopRule { passes: None, seconds: Some(20.0), error: None });
+    let (mut farm, worker) = running_farm(StopRule { seconds: Some(20.0), ..StopRule::default() });
     let mut leases = Vec::new();
     for _ in 0..3 {
         leases.push(farm.lease(worker).expect("work"));
@@ -484,7 +484,7 @@ fn seconds_end_a_job_with_what_has_arrived() {
 
 #[test]
 fn a_job_without_a_pass_when_its_time_is_over_waits_for_one() {
-    let (mut farm, worker) = running_farm(StopRule { passes: None, seconds: Some(1.0), error: None });
+    let (mut farm, worker) = running_farm(StopRule { seconds: Some(1.0), ..StopRule::default() });
     let leases = [farm.lease(worker).expect("work"), farm.lease(worker).expect("work")];
     farm.pass_time(2.0);
     assert_eq!(farm.state(1), JobState::Running);

@@ -16,6 +16,9 @@ pub(super) struct StopOptions {
     /// Stop when the picture's relMSE is below this, as the job itself estimates with 95 % confidence.
     #[arg(long, value_name = "RELMSE", value_parser = finite, allow_negative_numbers = true)]
     error: Option<f64>,
+    /// With --error: also for a method that never finds some of the scene's light.
+    #[arg(long)]
+    accept_missing_light: bool,
 }
 
 /// A number that JSON can carry: it has none for what is not finite, and a rule without a number would be no rule.
@@ -28,6 +31,11 @@ fn finite(text: &str) -> Result<f64, String> {
 
 impl StopOptions {
     pub(super) fn rule(self) -> StopRule {
-        StopRule { passes: self.passes, seconds: self.seconds, error: self.error }
+        StopRule {
+            passes: self.passes,
+            seconds: self.seconds,
+            error: self.error,
+            accepts_missing_light: self.accept_missing_light,
+        }
     }
 }

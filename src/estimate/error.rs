@@ -10,7 +10,8 @@
 //! all pixels along an edge together (0.079 for 0.076 in `spot-mirror`).
 //!
 //! Errors are relative as in `relMSE = mean((L − truth)²/(Y² + 10⁻³·m²))`, Y the truth's mean of channels in the pixel and m that of
-//! the picture; what stands for Y here is the picture, smoothed where it is noisy.
+//! the picture. What stands for Y here is the mean of the pixels around: a pixel's own value rises and falls with its own error, so that
+//! errors would look small where they are large. It counts itself only where it is known well.
 //!
 //! **Light where there is none.** Where a disc reaches from the dark into bright light, the picture is no measure of Y: it is bright because it is wrong.
 //! There Y is the picture less its bias, in so far as both twins tell it. Noise, too, makes both say so by chance, and then error and Y are wrong
@@ -26,8 +27,10 @@ use super::shard::Twin;
 const FLOOR: f64 = 1e-3;
 /// Pixels on each side of one that may be averaged for Y.
 const REACHES: [usize; 5] = [0, 1, 2, 3, 5];
-/// Y is the mean of the smallest neighbourhood whose mean has at most this relative variance.
-const KNOWN: f64 = 0.05;
+/// Y is the mean of the smallest neighbourhood whose mean has at most this relative variance; the pixel itself is left out.
+const KNOWN: f64 = 0.1;
+/// Y is the pixel's own value where that has at most this relative variance.
+const KNOWN_ALONE: f64 = 0.01;
 /// Errors in blocks of this many pixels on a side count as independent.
 const BLOCK: usize = 16;
 /// How often a bound holds.
@@ -38,9 +41,9 @@ const DEVIATIONS: f64 = 1.645;
 const LEAST_SHARE: f64 = 0.25;
 /// From so many standard deviations on, what the bias hides is more than chance.
 const CERTAIN: f64 = 2.0;
-/// Averaging makes the error of dark pixels beside bright ones look smaller: by up to this factor for the whole picture on our
+/// Averaging makes the error of dark pixels beside bright ones look smaller: by up to this factor for nearly all pictures of our
 /// references (docs/ERROR-BOUNDS.md).
-const MARGIN: f64 = 2.0;
+const MARGIN: f64 = 1.15;
 
 /// A picture's error as its own passes tell it.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -221,8 +224,13 @@ impl Smooth {
             let [gray, _, pixels] = self.mean(row, column, reach);
             // A single pixel's variance is too noisy to trust.
             let variance = self.mean(row, column, reach.max(1))[1];
+            let (gray, pixels, known) = match reach {
+                0 => (gray, 1.0, KNOWN_ALONE),
+                _ if pixels < 2.0 => break,
+                _ => ((gray * pixels - self.mean(row, column, 0)[0]) / (pixels - 1.0), pixels - 1.0, KNOWN),
+            };
             inverse = 1.0 / (gray * gray + self.floor);
-            if variance / pixels * inverse < KNOWN {
+            if variance / pixels * inverse < known {
                 break;
             }
         }

@@ -26,6 +26,10 @@ pub struct StopRule {
     /// looked at after shards that do not depend on the workers, so the picture does not either.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// Whether `error` may end a job whose method never finds some of the scene's light. Its estimate cannot know of that light, so such a
+    /// job is refused otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub accepts_missing_light: bool,
 }
 
 impl StopRule {

@@ -86,6 +86,10 @@ impl Shared {
         let pixels = u64::from(status.width) * u64::from(status.height);
         self.check_user_jobs(&self.lock(), job.owner().as_ref(), pixels, stop)?;
         check_longer(&status, stop)?;
+        let description = lock(&job.facts).description.clone();
+        if let Some((method, scene)) = description.method.zip(self.scene(&description.scene).ok()) {
+            request::check_finds_light(stop, &method, scene.traits)?;
+        }
         // What is being stored of its end is stored first.
         self.stored_in_time().await?;
         let merging = self.state_to_extend(job, stop).await?;

@@ -155,6 +155,7 @@ impl Shared {
             let resolved = request::resolve_method(request, integrator, pixels, scene.traits)?;
             notices.extend(resolved.notices);
             let stop = request::resolve_stop(request.stop, &resolved.method, &self.options.limits)?;
+            request::check_finds_light(stop, &resolved.method, scene.traits)?;
             (Some(resolved.method), stop)
         };
         let memory = pixels * bytes_per_pixel(method.as_ref())?;

@@ -85,6 +85,17 @@ pub fn check_stop(stop: StopRule, limits: &Limits) -> Result<(), FarmError> {
     Ok(())
 }
 
+/// Checks that a method which never finds some of the light is not asked for an error that its own passes tell, unless that is accepted.
+pub fn check_finds_light(stop: StopRule, method: &CheckedMethod, traits: SceneTraits) -> Result<(), FarmError> {
+    match method::blind_spot(method, traits) {
+        Some(blind_spot) if stop.error.is_some() && !stop.accepts_missing_light => Err(FarmError::BadRequest {
+            problem: format!("stop.error would be met without some of the light: {}", blind_spot.trim_end_matches('.')),
+            remedy: "choose such a method, or set stop.accepts_missing_light (--accept-missing-light)".to_owned(),
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// Checks the numbers of a cut.
 pub fn check_cut(cut: Cut) -> Result<(), FarmError> {
     if let Some(passes) = cut.passes_per_shard.filter(|passes| !(1..=Cut::MOST_PASSES).contains(passes)) {
