@@ -4,7 +4,7 @@
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Rgb, Vec3, octahedral, warp};
 use photonfarm::transport::photon_map::{
-    GatherQuery, Gathered, Grid, Nearest, Photon, PhotonChunk, PhotonLookup, PhotonMap,
+    GatherQuery, Gathered, Grid, KdTree, Nearest, Photon, PhotonChunk, PhotonLookup, PhotonMap,
 };
 
 const LOW: Vec3 = Vec3::new(-1.0, -2.0, 0.5);
@@ -192,6 +192,47 @@ fn agreement_nearest_photons_are_those_of_a_full_search() {
         }
     }
     assert_eq!(most, 11, "the twelfth gives the radius and does not count");
+}
+
+#[test]
+fn agreement_of_a_kd_tree_and_a_full_search() {
+    let (mut of_tree, mut of_list) = (Nearest::default(), Nearest::default());
+    for count in [1, 8, 9, 100, 20_000] {
+        let photons = cloud(7, count);
+        let tree = KdTree::build(photons.clone());
+        assert_eq!(tree.len(), photons.len());
+        for query in queries(&photons, 7, 700) {
+            let both_sides = GatherQuery { both_sides: true, ..query };
+            let (found, flux) = shown(&tree, &query);
+            let (all, all_flux) = shown(&Listed(&photons), &query);
+            assert_eq!(found, all, "{count} photons: {query:?}");
+            assert_same_flux(tree.gather(&query).flux, all_flux, &query);
+            assert_same_flux(Rgb::from_array(flux.map(|channel| channel as f32)), all_flux, &query);
+            assert!(shown(&tree, &both_sides).0 >= found);
+            tree.nearest(&query, 12, &mut of_tree);
+            Listed(&photons).nearest(&query, 12, &mut of_list);
+            assert_eq!(of_tree.photons().len(), of_list.photons().len(), "{query:?}");
+            let (one, other) = (of_tree.radius_squared(), of_list.radius_squared());
+            assert!((one / other - 1.0).abs() < 1e-4, "{one} is not {other}: {query:?}");
+        }
+    }
+}
+
+/// The tree is the same in whatever order photons come, and for any number of threads.
+#[test]
+fn a_kd_tree_depends_on_the_photons_alone() {
+    let photons = cloud(8, 40_000);
+    let mut turned = photons.clone();
+    turned.reverse();
+    turned.rotate_left(777);
+    let tree = |photons: &[Photon], threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool can be made");
+        let tree = pool.install(|| KdTree::build(photons.to_vec()));
+        (0..tree.len()).map(|index| tree.photon(index)).collect::<Vec<_>>()
+    };
+    let one = tree(&photons, 1);
+    assert_eq!(one, tree(&turned, 1));
+    assert_eq!(one, tree(&photons, 4));
 }
 
 #[test]

@@ -47,7 +47,7 @@ use local_pass::LocalPass;
 use super::bounded_numbers::bounded;
 use super::gather_ends::GatherEnds;
 use super::parameter_values::{Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, limits};
-use super::parameters::{ParameterSet, parameter, parameters, read_method};
+use super::parameters::{ParameterSet, ParameterValue, parameter, parameters, read_method};
 use super::photon_pass::{PILOT_PASS, add_to_tally};
 use super::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
 use super::visibility_pilot::LightSampling;
@@ -61,7 +61,7 @@ use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
 use crate::transport::kernel::Kernel;
 use crate::transport::occlusion::Occlusion;
 use crate::transport::photon_map::{
-    self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, Nearest, OriginPhoton, Photon, PhotonMap,
+    self as maps, FIRST_SEARCH_CELLS, Gathered, Grid, KdTree, Nearest, OriginLookup, OriginPhoton, Photon, PhotonMap,
 };
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::{Counters, Limits};
@@ -92,6 +92,20 @@ bounded! {
     struct GatherRays(u32), [0 to 1024]
 }
 
+/// The structure that photons are looked up in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Structure {
+    /// Cells of equal size.
+    Grid,
+    /// A balanced tree.
+    KdTree,
+}
+
+impl ParameterValue for Structure {
+    const RANGE: &'static str = "grid, kdtree";
+}
+
 parameters! {
     /// Parameters of `photon_map`.
     struct Parameters {
@@ -120,6 +134,8 @@ parameters! {
             GatherRays::new(4).expect("in range"),
             "4",
         ),
+        structure: Structure =
+            parameter("what photons are looked up in: cells or a balanced tree", Structure::Grid, "grid"),
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,
         passes: Passes = PASSES,
@@ -159,6 +175,7 @@ impl ParameterizedMethod for Parameters {
             caustic: look_up(self.caustic_neighbors),
             gather_rays: self.final_gather.get(),
             emission: self.emission,
+            structure: self.structure,
             scene,
         })
     }
@@ -198,6 +215,7 @@ struct TwoPasses {
     caustic: LookUp,
     gather_rays: u32,
     emission: Emission,
+    structure: Structure,
 }
 
 /// How a map is looked at.
@@ -208,16 +226,21 @@ struct LookUp {
 }
 
 /// The photons of a pass.
-struct Maps {
+struct Maps<P> {
     /// For gather rays: all photons. Without them: those that a lobe with a density has scattered.
-    global: PhotonMap<f32>,
+    global: P,
     /// Photons that only mirrors and glass have scattered, at least once.
-    caustic: PhotonMap<f32>,
+    caustic: P,
 }
 
 impl TwoPasses {
     /// First pass: traces and sorts photons.
-    fn trace_photons(&self, stream: Stream, pass: &Pass<'_>, cancel: &AtomicBool) -> Option<(Maps, Counters)> {
+    fn trace_photons(
+        &self,
+        stream: Stream,
+        pass: &Pass<'_>,
+        cancel: &AtomicBool,
+    ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
         let random = PassRandom::independent(self.seed, stream, pass.index);
         let settings = PhotonSettings {
             limits: self.limits,
@@ -252,10 +275,29 @@ impl TwoPasses {
         cancel: &AtomicBool,
     ) -> Option<Counters> {
         let (maps, mut total) = self.trace_photons(streams[0], pass, cancel)?;
+        total += match self.structure {
+            Structure::Grid => self.look_at_pixels(&maps, streams[1], pass, pixels, cancel),
+            Structure::KdTree => {
+                let maps = Maps { global: KdTree::from(maps.global), caustic: KdTree::from(maps.caustic) };
+                self.look_at_pixels(&maps, streams[1], pass, pixels, cancel)
+            }
+        };
+        (!cancel.load(Ordering::Relaxed)).then_some(total)
+    }
+
+    /// Second pass, with random numbers of `stream`.
+    fn look_at_pixels<P: OriginLookup>(
+        &self,
+        maps: &Maps<P>,
+        stream: Stream,
+        pass: &Pass<'_>,
+        pixels: &mut [PixelTally],
+        cancel: &AtomicBool,
+    ) -> Counters {
         let width = self.scene.width as usize;
-        let random = PassRandom::of_pixels(self.seed, streams[1], pass.index);
+        let random = PassRandom::of_pixels(self.seed, stream, pass.index);
         let trace_row = |(row, tallies): (usize, &mut [PixelTally])| {
-            let mut gathering = LocalPass { method: self, maps: &maps, found: Nearest::default() };
+            let mut gathering = LocalPass { method: self, maps, found: Nearest::default() };
             let mut counters = Counters::default();
             if cancel.load(Ordering::Relaxed) {
                 return counters;
@@ -269,8 +311,9 @@ impl TwoPasses {
             counters
         };
         let counters: Vec<Counters> = pixels.par_chunks_mut(width).enumerate().map(trace_row).collect();
+        let mut total = Counters::default();
         counters.into_iter().for_each(|counters| total += counters);
-        (!cancel.load(Ordering::Relaxed)).then_some(total)
+        total
     }
 }
 

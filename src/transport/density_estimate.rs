@@ -15,7 +15,7 @@ use super::Counters;
 use super::camera_walk::GatherPoint;
 use super::kernel::Kernel;
 use super::occlusion::{Occlusion, Sight};
-use super::photon_map::{GatherQuery, Nearest, PhotonLookup, PhotonMap};
+use super::photon_map::{GatherQuery, Nearest, OriginLookup};
 use super::receiver::{Counting, Receiver};
 
 /// How radiance is estimated from a photon map.
@@ -37,7 +37,7 @@ impl DensityEstimate {
     pub fn reflected(
         &self,
         scene: &Scene,
-        map: &PhotonMap<f32>,
+        map: &impl OriginLookup,
         point: &GatherPoint,
         most_segments: u32,
         found: &mut Nearest,
@@ -63,7 +63,7 @@ impl DensityEstimate {
     fn leave_out_unseen(
         &self,
         scene: &Scene,
-        map: &PhotonMap<f32>,
+        map: &impl OriginLookup,
         point: &GatherPoint,
         query: &GatherQuery,
         found: &mut Nearest,
@@ -72,7 +72,7 @@ impl DensityEstimate {
         let near = GatherQuery { radius_squared: found.radius_squared(), ..*query };
         let Some(sight) = Sight::new(scene, &point.hit, &near, self.occlusion) else { return };
         let mut counts =
-            |sight: &Sight<'_>, index: usize| sight.accepts(&map.photon(index), map.extras()[index], counters);
+            |sight: &Sight<'_>, index: usize| sight.accepts(&map.photon(index), map.origin_distance(index), counters);
         if found.photons().all(|(_, index)| counts(&sight, index)) {
             return;
         }

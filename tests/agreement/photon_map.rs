@@ -221,6 +221,23 @@ fn agreement_photon_map_in_furnaces() {
     check_reference("furnace-specular", "{}", 8, 0.01, 0.0075);
 }
 
+/// Both structures find the same photons, whose sums differ by rounding alone.
+#[test]
+fn agreement_photon_map_in_a_grid_and_in_a_kd_tree() {
+    let scene = reference_scene("cornell-glass");
+    let picture = |structure: &str| {
+        let parameters = format!(r#"{{"structure": "{structure}", "photons_per_pass": 20000}}"#);
+        Job::new(&scene, "photon_map", &parameters).run(1, 8).picture().radiance
+    };
+    let [grid, tree] = [picture("grid"), picture("kdtree")];
+    for (pixel, (grid, tree)) in grid.iter().zip(&tree).enumerate() {
+        for channel in 0..3 {
+            let difference = (grid[channel] - tree[channel]).abs();
+            assert!(difference <= 1e-4 * grid[channel], "pixel {pixel}: {grid:?} in a grid, {tree:?} in a tree");
+        }
+    }
+}
+
 #[test]
 fn agreement_photon_map_cornell_diffuse() {
     check_reference("cornell-diffuse", "{}", 12, 0.01, 0.075);

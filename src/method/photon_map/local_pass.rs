@@ -5,17 +5,17 @@ use crate::math::Rgb;
 use crate::math::random::{PathRandom, dimension, spread};
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
-use crate::transport::photon_map::{Nearest, PhotonLookup, PhotonMap};
+use crate::transport::photon_map::{Nearest, OriginLookup};
 use crate::transport::{Counters, shading};
 
 /// What a thread needs to look at pixels.
-pub(super) struct LocalPass<'a> {
+pub(super) struct LocalPass<'a, P> {
     pub(super) method: &'a TwoPasses,
-    pub(super) maps: &'a Maps,
+    pub(super) maps: &'a Maps<P>,
     pub(super) found: Nearest,
 }
 
-impl LocalPass<'_> {
+impl<P: OriginLookup> LocalPass<'_, P> {
     /// Radiance that a camera path sees.
     pub(super) fn pixel(&mut self, pixel: [u32; 2], random: &PathRandom, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, .. } = self.method;
@@ -97,7 +97,7 @@ impl LocalPass<'_> {
     }
 
     /// Radiance that the point's lobes reflect of the photons in `map`.
-    fn look_up(&mut self, look_up: &LookUp, map: &PhotonMap<f32>, at: &GatherPoint, counters: &mut Counters) -> Rgb {
+    fn look_up(&mut self, look_up: &LookUp, map: &P, at: &GatherPoint, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, photons_per_pass, .. } = self.method;
         if map.is_empty() {
             return Rgb::ZERO;

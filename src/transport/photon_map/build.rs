@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::photon::{OriginPhoton, Photon, PhotonColumns, PhotonColumnsMut, PhotonRecord, TracedPhoton};
-use super::{Grid, PhotonLookup, PhotonMap};
+use super::{Grid, OriginLookup, PhotonLookup, PhotonMap};
 use crate::math::Vec3;
 use crate::scene::Scene;
 use crate::transport::counters::Counters;
@@ -128,6 +128,13 @@ impl<E: Copy + Default + Send + Sync> PhotonMap<E> {
             .for_each(|bucket| bucket.fill(chunks, &grid, shift));
         cell_start[grid.cell_count()] = count as u32;
         Self { grid, cell_start, photons }
+    }
+}
+
+impl OriginLookup for PhotonMap<f32> {
+    #[inline]
+    fn origin_distance(&self, index: usize) -> f32 {
+        self.extras()[index]
     }
 }
 

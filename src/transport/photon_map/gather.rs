@@ -47,6 +47,32 @@ impl GatherQuery {
     }
 }
 
+/// A photon as a query sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenPhoton {
+    /// Squared distance, m².
+    pub(super) distance_squared: f32,
+    /// Height over the tangent plane, m.
+    pub(super) height: f32,
+}
+
+impl GatherQuery {
+    /// A photon whatever its distance; `None` where it faces another way or is of a kind that does not count. What [`LaneTest`] tells of
+    /// eight.
+    #[inline]
+    pub(super) fn look(&self, photon: &Photon) -> Option<SeenPhoton> {
+        let code = photon.normal_and_segments;
+        let byte = |shift: u32| f32::from((code >> shift) as u8 as i8);
+        let cosine = Vec3::new(byte(0), byte(8), byte(16)).dot(self.normal);
+        let cosine = if self.both_sides { cosine.abs() } else { cosine };
+        if !(cosine > LEAST_NORMAL_COSINE && code >> 24 & self.segments_mask() <= self.most_segments) {
+            return None;
+        }
+        let offset = Vec3::from_array(photon.position) - self.position;
+        Some(SeenPhoton { distance_squared: offset.length_squared(), height: offset.dot(self.normal) })
+    }
+}
+
 /// What was found: flux of photons (W), or what surfaces reflect of it (W·sr⁻¹).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Gathered {

@@ -47,3 +47,9 @@ pub trait PhotonLookup: Sync {
         gathered
     }
 }
+
+/// Photons that know how far they came.
+pub trait OriginLookup: PhotonLookup {
+    /// How far the photon with an index came on its last segment, m.
+    fn origin_distance(&self, index: usize) -> f32;
+}

@@ -1,11 +1,12 @@
 //! The photon map of one pass: photons sorted by grid cell, gathered in a canonical order.
 //!
 //! [`trace`] emits a pass's photons in parallel, [`build`](PhotonMap::build) sorts them once. Methods look at them through
-//! [`PhotonLookup`], which another structure may implement as well. The order of photons, and so every rounded sum, depends on the pass alone.
+//! [`PhotonLookup`], which [`KdTree`] implements as well. The order of photons, and so every rounded sum, depends on the pass alone.
 
 mod build;
 mod gather;
 mod grid;
+mod kd_tree;
 mod lookup;
 mod nearest;
 mod photon;
@@ -13,7 +14,8 @@ mod photon;
 pub use build::{PhotonChunk, trace};
 pub use gather::{GatherQuery, Gathered};
 pub use grid::Grid;
-pub use lookup::PhotonLookup;
+pub use kd_tree::KdTree;
+pub use lookup::{OriginLookup, PhotonLookup};
 pub use nearest::{FIRST_SEARCH_CELLS, Nearest};
 pub use photon::{OriginPhoton, PathPhoton, PathSegment, Photon, PhotonColumns, PhotonRecord, TracedPhoton};
 
