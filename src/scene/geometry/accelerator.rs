@@ -8,7 +8,7 @@ use std::time::Duration;
 use glam::{UVec2, Vec3, Vec3A};
 use obvhs::bvh2::builder::build_bvh2;
 use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
-use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, ray::RayHit, traverse};
+use obvhs::{Boundable, BvhBuildParams, aabb::Aabb, traverse};
 
 use super::block::{self, Block, BlockKind};
 use super::obstacles::{Layer, Obstacles};
@@ -106,7 +106,7 @@ impl Accelerator {
                 test(leaf);
             });
         } else {
-            self.tree.ray_traverse(self.tree_ray(ray), &mut RayHit::none(), |_, index| test(&self.blocks[index]));
+            visit_nearest(&self.tree, self.tree_ray(ray), |index| test(&self.blocks[index]));
         }
         (found != usize::MAX).then_some((found, nearest))
     }
@@ -201,7 +201,7 @@ impl BoxTree {
     /// all before, and from then on boxes farther away are left out.
     #[inline]
     pub fn visit_nearest(&self, ray: &Ray, mut visit: impl FnMut(usize) -> Option<f32>) {
-        self.tree.ray_traverse(tree_ray(ray, self.scale), &mut RayHit::none(), |_, index| match visit(index) {
+        visit_nearest(&self.tree, tree_ray(ray, self.scale), |index| match visit(index) {
             Some(distance) => distance * self.scale,
             None => f32::INFINITY,
         });
@@ -224,6 +224,17 @@ impl BoxTree {
         let answer = |yes| if yes { 0.0 } else { f32::INFINITY };
         !self.tree.ray_traverse_miss(tree_ray(ray, self.scale), |_, index| answer(visit(index)))
     }
+}
+
+/// Shows `visit` the boxes along `ray`. It gives the distance of a hit, and from then on boxes farther away are left out.
+// `CwBvh::ray_traverse`, but always part of its caller: as a call it takes 4 % more instructions of a pass.
+#[inline(always)]
+fn visit_nearest(tree: &CwBvh, mut ray: obvhs::ray::Ray, mut visit: impl FnMut(usize) -> f32) {
+    let mut state = tree.new_traversal(ray.direction);
+    let mut node;
+    traverse!(tree, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+        ray.tmax = visit(state.primitive_id as usize).min(ray.tmax);
+    });
 }
 
 /// Shows `goes_on` the boxes that meet the one around `layer`, until it says no.
