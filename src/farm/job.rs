@@ -18,16 +18,14 @@ pub struct StopRule {
     /// Passes to merge, 1 to 2³¹.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub passes: Option<u32>,
-    /// Wall-clock seconds after the first lease, above 0. The picture then depends on the machines' speed, but a job that
-    /// stopped after n passes has the bits of a job asked for n passes.
+    /// Wall-clock seconds after the first lease, above 0. After how many passes that is depends on the machines; their bits do not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
     /// relMSE above 0: the job is done when its own estimate says with 95 % confidence that the picture's is smaller. It is
     /// looked at after shards that do not depend on the workers, so the picture does not either.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
-    /// Whether `error` may end a job whose method never finds some of the scene's light. Its estimate cannot know of that light, so such a
-    /// job is refused otherwise.
+    /// Whether `error` may end a job whose method never finds some of the light, of which its estimate cannot tell; else it is refused.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub accepts_missing_light: bool,
 }
@@ -39,8 +37,7 @@ impl StopRule {
     }
 }
 
-/// A job's share of the farm, 1 to 1000 and 100 by default: beside each other, a job of 200 gets twice the work done that one of 100
-/// gets.
+/// A job's share of the farm, 1 to 1000 and 100 by default: beside each other, one of 200 gets twice the work done that one of 100 gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(try_from = "u16", into = "u16")]
 #[schema(value_type = u16, minimum = 1, maximum = 1000)]

@@ -191,9 +191,11 @@ fn checked_methods_are_stored_as_ever() {
         }
         // New since then; a job that was stored goes on as it began, whatever is the default now.
         let parameters = written["choice"]["parameters"].as_object_mut().expect("an object");
-        let emission = ["sppm", "photon_map"].contains(&name).then(|| json!("power"));
-        assert_eq!(parameters.remove("emission"), emission, "{name}");
-        assert_eq!(parameters.remove("occlusion"), (name != "path").then(|| json!("off")), "{name}");
+        let has_photons = name != "path";
+        assert_eq!(parameters.remove("emission"), has_photons.then(|| json!("power")), "{name}");
+        assert_eq!(parameters.remove("occlusion"), has_photons.then(|| json!("off")), "{name}");
+        assert_eq!(parameters.remove("light_picks"), Some(json!("importance")), "{name}");
+        assert_eq!(parameters.remove("structure"), (name == "photon_map").then(|| json!("grid")), "{name}");
         assert_eq!(written, record, "{name}");
         let mut other = record.clone();
         other["passes"] = json!(7);
