@@ -28,7 +28,7 @@ impl Look {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let seeds: u64 = std::env::args().nth(1).map_or(Ok(4), |text| text.parse())?;
-    print!("{HEADER}");
+    print!("{}", HEADER.replace("SEEDS", &seeds.to_string()));
     let mut all = Vec::new();
     let chosen: Vec<String> = std::env::args().skip(2).collect();
     for folder in reference_folders(Path::new("tests/references"))? {
@@ -97,7 +97,7 @@ fn print_row(scene: &str, method: &str, blind: bool, looks: &[Look]) {
 const HEADER: &str = "\
 # A job's own error estimate, checked
 
-Made by `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md` (about 12 minutes on one core).
+Made by `cargo run --release --example error_bounds -- SEEDS > docs/ERROR-BOUNDS.md` (about 6 minutes a seed on one busy core).
 
 Every job makes two independent pictures, of its even and of its odd passes. Their difference gives the noise of the mean, in relMSE; what is found inside half of
 each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is 1.15 times the estimate
@@ -105,7 +105,7 @@ plus 1.645 standard deviations of it over blocks of 16 × 16 pixels, and is mean
 margin for Y, which an estimate without a reference takes from the pixels around: errors of dark pixels beside bright ones then look smaller than they are.
 
 Y leaves the pixel itself out unless it is known to 10 %. Its own value rises and falls with its error: with it errors looked small where they
-were large, by 27 % in the median of noisy pictures and by 63 % where few bright paths make all the noise, and the margin had to be 2. Correcting for the curvature of 1/Y² to second order
+were large, by 14 % in the median of noisy pictures and by 63 % where few bright paths make all the noise, and the margin had to be 2. Correcting for the curvature of 1/Y² to second order
 instead made it worse: noise is skewed.
 
 It can only tell what its passes have seen. While the rare paths that carry much light have not been met (path tracing of caustics, light through a
@@ -115,7 +115,7 @@ Where a disc reaches from the dark into bright light, the picture itself is no m
 `spot-mirror` (0.079 where 0.076 is right), but relative to the blurred picture that was an eighth of the error, and no bound held. Now Y is the picture less its bias there, and what
 chance makes of that is told by turning one twin's sign around.
 
-Each row: four seeds, looked at after 8, 16 and 32 passes. *relMSE* is the median after 32 passes, without the reference's noise; *told* and *bound* are medians of estimate and
+Each row: SEEDS seeds, looked at after 8, 16 and 32 passes. *relMSE* is the median after 32 passes, without the reference's noise; *told* and *bound* are medians of estimate and
 bound over the true relMSE.
 
 | scene | method | relMSE | told | bound | holds |
