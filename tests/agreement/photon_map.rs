@@ -316,7 +316,7 @@ fn photon_map_parameters_that_cannot_be() {
     let refused = [
         (r#"{"neighbors": 1}"#, "\"neighbors\" is 1; allowed: 2 to 65536"),
         (r#"{"caustic_neighbors": 70000}"#, "\"caustic_neighbors\" is 70000; allowed: 2 to 65536"),
-        (r#"{"largest_radius": 0}"#, "\"largest_radius\" is 0; allowed: above 0, auto"),
+        (r#"{"largest_radius": 0}"#, "\"largest_radius\" is 0; allowed: 1e-18 to 1e18, auto"),
         (r#"{"kernel": "gauss"}"#, "\"kernel\" is \"gauss\"; allowed: disc, cone, epanechnikov"),
         (r#"{"final_gather": 1025}"#, "\"final_gather\" is 1025; allowed: 0 to 1024"),
         (r#"{"final_gather": -1}"#, "\"final_gather\" is -1; allowed: 0 to 1024"),
