@@ -25,7 +25,7 @@ const NEAREST: usize = 20;
 const LOOKUPS: usize = 200_000;
 const MOST: usize = 10_000_000;
 /// Photon paths; each stores two or three photons.
-const PATHS: u32 = 4_500_000;
+const PATHS: u32 = 6_000_000;
 
 type Fallible<T> = Result<T, Box<dyn Error>>;
 
