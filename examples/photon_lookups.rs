@@ -1,6 +1,6 @@
 //! What photon look-ups cost in a grid and in a kd-tree, for 10,000 to 10 million photons of a room with a glass and a mirror ball.
 //!
-//! `cargo run --release --example photon_lookups`; about three minutes on one core. The table stands in `docs/PHOTON-MAPS.md`. Each look-up is at a
+//! `cargo run --release --example photon_lookups`; about five minutes on one core. The table stands in `docs/PHOTON-MAPS.md`. Each look-up is at a
 //! photon's own place; discs have the radius that [`NEAREST`] photons take on average there, so both kinds find about as many.
 
 use std::error::Error;
