@@ -45,22 +45,20 @@ impl LightSampling {
         }
         let (mut values, mut taught) = (None, scene.clone());
         let mut trials: Vec<LightTrial> = Vec::new();
-        for round in 0..=ROUNDS {
-            if cancel.load(Ordering::Relaxed) {
-                return None;
-            }
-            let Self { vertices, limits, .. } = *self;
-            let found = LightTrials { plain: scene, scene: &taught, limits, vertices, seed }.round(round);
-            if round == ROUNDS {
-                let worthwhile = self.picks == LightPicks::Visible || gain(&taught, &found) >= WORTHWHILE_GAIN;
-                return Some(values.filter(|_| worthwhile));
-            }
-            trials.extend(found.iter().map(|found| found.trial));
+        let Self { vertices, limits, .. } = *self;
+        let tried = |taught: &Scene, round: u32| {
+            let trials = LightTrials { plain: scene, scene: taught, limits, vertices, seed };
+            (!cancel.load(Ordering::Relaxed)).then(|| trials.round(round))
+        };
+        for round in 0..ROUNDS {
+            trials.extend(tried(&taught, round)?.iter().map(|found| found.trial));
             let Some(learnt) = learn(&trials, light_count) else { return Some(None) };
             let Ok(visibility) = LightVisibility::new(&learnt, &scene.lights) else { return Some(None) };
             (values, taught) = (Some(learnt), scene.with_lights(scene.lights.with_visibility(visibility)));
         }
-        Some(values)
+        let worthwhile =
+            self.picks == LightPicks::Visible || gain(&taught, &tried(&taught, ROUNDS)?) >= WORTHWHILE_GAIN;
+        Some(values.filter(|_| worthwhile))
     }
 }
 

@@ -71,3 +71,13 @@ pub(crate) fn assert_same(
     let both = (error * error + of_expected * of_expected).sqrt();
     assert!((found - expected).abs() < ERRORS * both + bias * expected, "{what}: {found} ± {error}, not {expected}");
 }
+
+/// The bits of a picture from one, two and three threads.
+pub(crate) fn bits_of_threads(scene: &Arc<Scene>, method: &str, parameters: &str) -> Vec<Vec<u32>> {
+    let of_threads = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let picture = pool.install(|| Job::new(scene, method, parameters).run(4, 2).picture());
+        picture.radiance.iter().flatten().map(|value| value.to_bits()).collect()
+    };
+    (1..=3).map(of_threads).collect()
+}

@@ -8,7 +8,7 @@ use photonfarm::scene::Scene;
 use photonfarm::scene::light::emission_guide::{BY_POWER, EmissionPoint};
 use photonfarm::transport::emission_learning::{EmittedPath, GuideParts, learn};
 
-use crate::batches::{ERRORS, assert_same, mean_and_error, repository_scene};
+use crate::batches::{ERRORS, assert_same, bits_of_threads, mean_and_error, repository_scene};
 use crate::progressive::{Job, reference_scene};
 use crate::scene_text::prepare;
 
@@ -122,14 +122,7 @@ fn photons_of_a_lamp_in_an_open_box_start_by_power() {
 fn guided_pictures_have_the_same_bits_from_any_number_of_threads() {
     let scene = repository_scene("sealed-lamp/scene.xml", "24");
     let parameters = r#"{"photons_per_pass": 10000, "emission": "auto"}"#;
-    let bits: Vec<Vec<u32>> = [1, 2, 3]
-        .into_iter()
-        .map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let picture = pool.install(|| Job::new(&scene, "sppm", parameters).run(4, 2).picture());
-            picture.radiance.iter().flatten().map(|value| value.to_bits()).collect()
-        })
-        .collect();
+    let bits = bits_of_threads(&scene, "sppm", parameters);
     assert!(learns_a_guide(&scene, "sppm", parameters));
     assert!(bits[0] == bits[1] && bits[1] == bits[2]);
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use photonfarm::scene::Scene;
 
-use crate::batches::{assert_same, mean_and_error, repository_scene};
+use crate::batches::{assert_same, bits_of_threads, mean_and_error, repository_scene};
 use crate::progressive::{Job, reference_scene};
 use crate::scene_text::prepare;
 
@@ -83,14 +83,7 @@ fn lights_in_an_open_box_are_picked_by_importance() {
 #[test]
 fn pictures_with_visible_picks_have_the_same_bits_from_any_number_of_threads() {
     let scene = repository_scene("sealed-lamp/scene.xml", "24");
-    let bits: Vec<Vec<u32>> = [1, 2, 3]
-        .into_iter()
-        .map(|threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let picture = pool.install(|| Job::new(&scene, "path", "{}").run(4, 2).picture());
-            picture.radiance.iter().flatten().map(|value| value.to_bits()).collect()
-        })
-        .collect();
+    let bits = bits_of_threads(&scene, "path", "{}");
     assert!(learns_visibility(&scene, "path", "{}"));
     assert!(bits[0] == bits[1] && bits[1] == bits[2]);
 }

@@ -5,7 +5,7 @@ use super::weights::Sums;
 use crate::math::{Frame, Rgb, Vec2, Vec3, octahedral};
 use crate::scene::geometry::surface::NO_INSTANCE;
 use crate::scene::geometry::{Detail, Interaction, Shape};
-use crate::transport::photon_map::{Photon, PhotonRecord};
+use crate::transport::photon_map::{Photon, PhotonWith};
 use crate::transport::photon_tracing::stored;
 use crate::transport::shading::facing_normal;
 
@@ -106,11 +106,7 @@ pub struct MergeRecord {
 }
 
 /// A light vertex to merge with.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MergePhoton {
-    photon: Photon,
-    record: MergeRecord,
-}
+pub type MergePhoton = PhotonWith<MergeRecord>;
 
 impl MergePhoton {
     /// `None` where the surface is seen from another side than it is shaded.
@@ -118,20 +114,6 @@ impl MergePhoton {
     pub fn new(vertex: &Vertex) -> Option<Self> {
         let Vertex { hit, throughput, sums, segments, .. } = vertex;
         let photon = stored(hit, *throughput, *segments, false)?;
-        Some(Self { photon, record: MergeRecord { sums: *sums, segments: *segments, origin_distance: hit.distance } })
-    }
-}
-
-impl PhotonRecord for MergePhoton {
-    type Extra = MergeRecord;
-
-    #[inline]
-    fn photon(&self) -> &Photon {
-        &self.photon
-    }
-
-    #[inline]
-    fn extra(&self) -> MergeRecord {
-        self.record
+        Some(Self { photon, extra: MergeRecord { sums: *sums, segments: *segments, origin_distance: hit.distance } })
     }
 }

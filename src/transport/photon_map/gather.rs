@@ -35,9 +35,24 @@ impl GatherQuery {
     /// The square of the least radius whose disc holds `photon`, m².
     #[inline]
     pub fn distance_squared(&self, photon: &Photon) -> f32 {
+        self.place(photon).least_radius_squared()
+    }
+
+    /// Where a photon lies.
+    #[inline]
+    fn place(&self, photon: &Photon) -> SeenPhoton {
         let offset = Vec3::from_array(photon.position) - self.position;
-        let height = offset.dot(self.normal) * (1.0 / FLATNESS);
-        offset.length_squared().max(height * height)
+        SeenPhoton { distance_squared: offset.length_squared(), height: offset.dot(self.normal) }
+    }
+
+    /// A photon whatever its distance; `None` where it faces another way or is of a kind that does not count. What [`LaneTest`] tells of
+    /// eight.
+    #[inline]
+    pub(super) fn look(&self, photon: &Photon) -> Option<SeenPhoton> {
+        let cosine = photon.normal_bytes().dot(self.normal);
+        let cosine = if self.both_sides { cosine.abs() } else { cosine };
+        let segments = photon.normal_and_segments >> 24 & self.segments_mask();
+        (cosine > LEAST_NORMAL_COSINE && segments <= self.most_segments).then(|| self.place(photon))
     }
 
     /// What of a photon's top byte is compared with `most_segments`: scattered photons exceed it where they do not count.
@@ -56,20 +71,12 @@ pub(super) struct SeenPhoton {
     pub(super) height: f32,
 }
 
-impl GatherQuery {
-    /// A photon whatever its distance; `None` where it faces another way or is of a kind that does not count. What [`LaneTest`] tells of
-    /// eight.
+impl SeenPhoton {
+    /// The square of the least radius whose disc holds it, m².
     #[inline]
-    pub(super) fn look(&self, photon: &Photon) -> Option<SeenPhoton> {
-        let code = photon.normal_and_segments;
-        let byte = |shift: u32| f32::from((code >> shift) as u8 as i8);
-        let cosine = Vec3::new(byte(0), byte(8), byte(16)).dot(self.normal);
-        let cosine = if self.both_sides { cosine.abs() } else { cosine };
-        if !(cosine > LEAST_NORMAL_COSINE && code >> 24 & self.segments_mask() <= self.most_segments) {
-            return None;
-        }
-        let offset = Vec3::from_array(photon.position) - self.position;
-        Some(SeenPhoton { distance_squared: offset.length_squared(), height: offset.dot(self.normal) })
+    pub(super) fn least_radius_squared(&self) -> f32 {
+        let height = self.height * (1.0 / FLATNESS);
+        self.distance_squared.max(height * height)
     }
 }
 

@@ -26,8 +26,7 @@ pub struct KdTree<R = Photon> {
 
 impl From<PhotonMap<f32>> for KdTree<OriginPhoton> {
     fn from(map: PhotonMap<f32>) -> Self {
-        let record =
-            |index: usize| OriginPhoton { photon: map.photon(index), origin_distance: map.origin_distance(index) };
+        let record = |index: usize| OriginPhoton { photon: map.photon(index), extra: map.origin_distance(index) };
         Self::build((0..map.len()).map(record).collect())
     }
 }
@@ -74,8 +73,7 @@ impl<R: PhotonRecord> KdTree<R> {
     #[inline]
     fn take(&self, index: usize, query: &GatherQuery, count: usize, found: &mut Nearest) {
         let Some(seen) = query.look(self.photons[index].photon()) else { return };
-        let height = seen.height * (1.0 / FLATNESS);
-        let distance_squared = seen.distance_squared.max(height * height);
+        let distance_squared = seen.least_radius_squared();
         if distance_squared < found.radius_squared() {
             found.take(distance_squared, index);
             found.forget(count);
@@ -187,6 +185,6 @@ impl<R: PhotonRecord> PhotonLookup for KdTree<R> {
 impl OriginLookup for KdTree<OriginPhoton> {
     #[inline]
     fn origin_distance(&self, index: usize) -> f32 {
-        self.photons[index].origin_distance
+        self.photons[index].extra
     }
 }

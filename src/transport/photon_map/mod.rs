@@ -17,7 +17,9 @@ pub use grid::Grid;
 pub use kd_tree::KdTree;
 pub use lookup::{OriginLookup, PhotonLookup};
 pub use nearest::{FIRST_SEARCH_CELLS, Nearest};
-pub use photon::{OriginPhoton, PathPhoton, PathSegment, Photon, PhotonColumns, PhotonRecord, TracedPhoton};
+pub use photon::{
+    OriginPhoton, PathPhoton, PathSegment, Photon, PhotonColumns, PhotonRecord, PhotonWith, TracedPhoton,
+};
 
 /// The photons of one pass in a grid, with whatever else methods keep of them.
 pub struct PhotonMap<E = ()> {

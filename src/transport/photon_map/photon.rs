@@ -65,16 +65,22 @@ impl TracedPhoton for Photon {
     }
 }
 
-/// A photon that knows how far it came.
+/// A photon, and what else a method needs of it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct OriginPhoton {
-    pub(super) photon: Photon,
-    pub(super) origin_distance: f32,
+pub struct PhotonWith<E> {
+    /// The photon.
+    pub photon: Photon,
+    /// What else there is.
+    pub extra: E,
 }
 
-impl PhotonRecord for OriginPhoton {
-    /// The distance of its origin, m.
-    type Extra = f32;
+/// A photon that knows how far it came, m.
+pub type OriginPhoton = PhotonWith<f32>;
+/// A photon that knows its path, too.
+pub type PathPhoton = PhotonWith<PathSegment>;
+
+impl<E: Copy + Default + Send + Sync> PhotonRecord for PhotonWith<E> {
+    type Extra = E;
 
     #[inline]
     fn photon(&self) -> &Photon {
@@ -82,43 +88,22 @@ impl PhotonRecord for OriginPhoton {
     }
 
     #[inline]
-    fn extra(&self) -> f32 {
-        self.origin_distance
+    fn extra(&self) -> E {
+        self.extra
     }
 }
 
 impl TracedPhoton for OriginPhoton {
     #[inline(always)]
     fn traced(photon: Photon, segment: PathSegment) -> Self {
-        Self { photon, origin_distance: segment.length }
-    }
-}
-
-/// A photon that knows its path, too.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct PathPhoton {
-    photon: Photon,
-    segment: PathSegment,
-}
-
-impl PhotonRecord for PathPhoton {
-    type Extra = PathSegment;
-
-    #[inline]
-    fn photon(&self) -> &Photon {
-        &self.photon
-    }
-
-    #[inline]
-    fn extra(&self) -> PathSegment {
-        self.segment
+        Self { photon, extra: segment.length }
     }
 }
 
 impl TracedPhoton for PathPhoton {
     #[inline(always)]
     fn traced(photon: Photon, segment: PathSegment) -> Self {
-        Self { photon, segment }
+        Self { photon, extra: segment }
     }
 }
 
@@ -148,7 +133,13 @@ impl Photon {
     /// The normal of its surface on the side where it arrived; its length is 1 to 2 %.
     #[inline]
     pub fn normal(&self) -> Vec3 {
-        let byte = |shift: u32| f32::from((self.normal_and_segments >> shift) as u8 as i8) / 127.0;
+        self.normal_bytes() / 127.0
+    }
+
+    /// The same in units of the stored bytes, 1/127.
+    #[inline]
+    pub(super) fn normal_bytes(&self) -> Vec3 {
+        let byte = |shift: u32| f32::from((self.normal_and_segments >> shift) as u8 as i8);
         Vec3::new(byte(0), byte(8), byte(16))
     }
 
