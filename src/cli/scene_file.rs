@@ -73,8 +73,7 @@ fn define_in_xml(bytes: &[u8], defines: &[Define]) -> Result<Vec<u8>, Box<dyn st
     let document = roxmltree::Document::parse(text)?;
     let first_child = document.root_element().first_child().ok_or("the scene is empty")?;
     let (head, tail) = text.split_at(first_child.range().start);
-    // Of several defines of one name the last counts, of several defaults the first.
-    let defaults = defines.iter().rev().map(|(name, value)| {
+    let defaults = defines.iter().map(|(name, value)| {
         format!("<default name=\"{}\" value=\"{}\"/>", attribute_text(name), attribute_text(value))
     });
     Ok(format!("{head}{}{tail}", defaults.collect::<String>()).into_bytes())
@@ -115,7 +114,7 @@ mod tests {
         <sensor type='perspective'><film type='hdrfilm'><integer name='width' value='$size'/></film></sensor></scene>";
 
     fn define(value: &str) -> Vec<Define> {
-        vec![("size".to_owned(), "1".to_owned()), ("size".to_owned(), value.to_owned())]
+        vec![("size".to_owned(), value.to_owned())]
     }
 
     fn packed(files: &[(&str, &str)], defines: &[Define]) -> Result<Vec<u8>, CliError> {
