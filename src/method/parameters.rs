@@ -58,11 +58,11 @@ pub trait ParameterSet: Default + Serialize + DeserializeOwned {
 
 /// Declares the parameters of a method, one a line: `name: Type = parameter("meaning, unit", default, "default as shown"),`.
 macro_rules! parameters {
-    ($(#[$attribute:meta])* struct $set:ident { $($name:ident: $type:ty = $parameter:expr,)* }) => {
+    ($(#[$attribute:meta])* $visibility:vis struct $set:ident { $($name:ident: $type:ty = $parameter:expr,)* }) => {
         $(#[$attribute])*
         #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
         #[serde(deny_unknown_fields, default)]
-        struct $set { $($name: $type,)* }
+        $visibility struct $set { $($visibility $name: $type,)* }
 
         impl Default for $set {
             fn default() -> Self {

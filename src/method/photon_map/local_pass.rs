@@ -1,6 +1,8 @@
 //! The second pass of `photon_map`: what each camera path sees by the photons of the first.
 
-use super::{LookUp, Maps, TwoPasses};
+use super::TwoPasses;
+use super::first_pass::Maps;
+use super::look_up::LookUp;
 use crate::math::Rgb;
 use crate::math::random::{PathRandom, dimension, spread};
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
@@ -50,7 +52,7 @@ impl<P: OriginLookup> LocalPass<'_, P> {
 
     /// Soft indirect light at a wide lobe, as the camera sees it.
     fn indirect(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
-        let rays = self.method.gather_rays;
+        let rays = self.method.parameters.final_gather.get();
         if rays == 0 {
             return at.throughput * self.look_up(&self.method.global, &self.maps.global, at, counters);
         }

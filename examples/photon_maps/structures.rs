@@ -1,9 +1,8 @@
-//! What photon look-ups cost in a grid and in a kd-tree, for 10,000 to 10 million photons of a room with a glass and a mirror ball.
+//! Sections 2.3 and 2.4: what photon look-ups cost in a grid and in a kd-tree, for 10,000 to 10 million photons of a room with a glass and a mirror ball.
 //!
-//! `cargo run --release --example photon_lookups`; about five minutes on one core. The table stands in `docs/PHOTON-MAPS.md`. Each look-up is at a
-//! photon's own place; discs have the radius that [`NEAREST`] photons take on average there, so both kinds find about as many.
+//! Each look-up is at a photon's own place; discs have the radius that [`NEAREST`] photons take on average there, so both kinds find
+//! about as many.
 
-use std::error::Error;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -19,6 +18,8 @@ use photonfarm::transport::photon_map::{
 };
 use photonfarm::transport::photon_tracing::PhotonSettings;
 
+use crate::Fallible;
+
 /// Photons that a look-up finds.
 const NEAREST: usize = 20;
 /// Look-ups of each kind.
@@ -27,11 +28,11 @@ const MOST: usize = 10_000_000;
 /// Photon paths; each stores two or three photons.
 const PATHS: u32 = 6_000_000;
 
-type Fallible<T> = Result<T, Box<dyn Error>>;
-
-fn main() -> Fallible<()> {
+/// Prints the chapter.
+pub(crate) fn run() -> Fallible<()> {
     let scene = Scene::prepare(&load_file(Path::new("scenes/cornell-glass-mirror/scene.xml"), &[])?)?;
     let photons = traced(&scene)?;
+    println!("{CLAIM}");
     println!("| photons | structure | bytes a photon | build, s | discs a second | nearest {NEAREST} a second |");
     println!("|---:|---|---:|---:|---:|---:|");
     for count in [10_000, 100_000, 1_000_000, MOST] {
@@ -41,6 +42,7 @@ fn main() -> Fallible<()> {
         row("grid", count, || in_grid(&scene, &some, radius), &queries)?;
         row("kd-tree", count, || KdTree::build(some.clone()), &queries)?;
     }
+    println!("{VERDICT}");
     Ok(())
 }
 
@@ -134,3 +136,14 @@ fn timed<T>(work: impl FnOnce() -> T) -> Fallible<(T, f64)> {
     let result = black_box(work());
     Ok((result, stopwatch.spent()?.processor))
 }
+
+const CLAIM: &str = "\
+Claim: a grid is faster than a balanced kd-tree, the more so the more photons there are: rendering with a million photons and k = 100 took 305 s in a grid and
+567 s in a tree, with 100,000 photons and k = 10 it took 51 s and 70 s.
+
+`photon_map` has both (`structure: grid | kdtree`); all other methods use the grid. Both find the same photons.
+";
+
+const VERDICT: &str = "
+Processor time is told in hundredths of a second, so the first rows are rough. The claim holds: look-ups take 1.5 to 4.6 times as long in a tree, and it takes three
+times as long to build; but it needs 33 bytes a photon instead of 46 to 48.";

@@ -1,0 +1,64 @@
+//! The experiments of the photon-map thesis, run here: makes `docs/PHOTON-MAPS.md` and the pictures beside it.
+//!
+//! `cargo run --release --example photon_maps > docs/PHOTON-MAPS.md` runs all chapters; names behind `--` choose among them. How long
+//! each takes stands in [`CHAPTERS`].
+
+mod importance;
+mod laboratory;
+mod structures;
+
+use std::error::Error;
+
+use photonfarm::evaluation::Machine;
+
+type Fallible<T> = Result<T, Box<dyn Error>>;
+
+/// A chapter of the thesis.
+struct Chapter {
+    /// What it is chosen by.
+    name: &'static str,
+    /// Its heading, with the thesis' section in brackets.
+    heading: &'static str,
+    /// Processor time on one core, min.
+    minutes: u32,
+    /// Prints its claim, our figures beside its figures, and whether the claim holds.
+    run: fn() -> Fallible<()>,
+}
+
+const CHAPTERS: &[Chapter] = &[
+    Chapter {
+        name: "structures",
+        heading: "Structures to look photons up in (2.3, 2.4)",
+        minutes: 5,
+        run: structures::run,
+    },
+    Chapter { name: "importance", heading: "Photons where they are needed (4.7)", minutes: 4, run: importance::run },
+];
+
+fn main() -> Fallible<()> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
+    let chosen: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(unknown) = chosen.iter().find(|name| !CHAPTERS.iter().any(|chapter| chapter.name == **name)) {
+        let names: Vec<&str> = CHAPTERS.iter().map(|chapter| chapter.name).collect();
+        return Err(format!("there is no chapter \"{unknown}\"; there are {}", names.join(", ")).into());
+    }
+    let minutes: u32 = CHAPTERS.iter().map(|chapter| chapter.minutes).sum();
+    println!("{HEADER}\n{}, one thread; about {minutes} minutes for all of it.", Machine::here().processor);
+    for chapter in CHAPTERS.iter().filter(|chapter| chosen.is_empty() || chosen.iter().any(|name| name == chapter.name))
+    {
+        println!("\n## {}\n", chapter.heading);
+        (chapter.run)()?;
+    }
+    println!("\nKeys in brackets: [REFERENCES.md](REFERENCES.md).");
+    Ok(())
+}
+
+const HEADER: &str = "\
+# Photon maps: what the thesis found, and what is found here
+
+Wald's thesis [Wald 1999] names what is wrong with photon maps and tries remedies, chapter by chapter: its claim, its figures beside ours, our picture, and whether
+the claim holds. Its machines were a DEC Alpha at 333 MHz and a Celeron at 450 MHz, so only ratios of times compare; its scenes are modelled anew, so only ratios of
+errors do.
+
+Made by `cargo run --release --example photon_maps > docs/PHOTON-MAPS.md`; one chapter by its name behind `--`.
+";
