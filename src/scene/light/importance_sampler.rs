@@ -16,10 +16,7 @@ const GROUP: usize = 128;
 const EDGE: f32 = 0.1;
 
 /// A number for each of eight lamps.
-pub type Lanes = [f32; LANES];
-
-/// What the importance of every light is multiplied with, in the sampler's order, see [`ImportanceSampler::arrange`].
-pub type Shares = [Lanes];
+type Lanes = [f32; LANES];
 
 /// Eight lamps, one a lane; spare lanes have no intensity.
 #[derive(Clone, Debug, Default)]
@@ -82,36 +79,26 @@ impl Lamps {
         Self(eights)
     }
 
-    /// The importances of eight lamps, times their `shares`.
-    #[inline(always)]
-    fn eight(&self, place: &Place, shares: Option<&Shares>, index: usize) -> Lanes {
-        let importances = self.0[index].importances(place);
-        match shares {
-            None => importances,
-            Some(shares) => std::array::from_fn(|lane| importances[lane] * shares[index][lane]),
-        }
-    }
-
     #[inline]
-    fn total(&self, place: &Place, shares: Option<&Shares>) -> f32 {
+    fn total(&self, place: &Place) -> f32 {
         let mut sums = [0.0; LANES];
         for index in 0..self.0.len() {
-            let importances = self.eight(place, shares, index);
+            let importances = self.0[index].importances(place);
             (0..LANES).for_each(|lane| sums[lane] += importances[lane]);
         }
         sums.iter().sum()
     }
 
-    fn importance(&self, place: &Place, shares: Option<&Shares>, index: usize) -> f32 {
-        self.eight(place, shares, index / LANES)[index % LANES]
+    fn importance(&self, place: &Place, index: usize) -> f32 {
+        self.0[index / LANES].importances(place)[index % LANES]
     }
 
     /// The lamp at `target` in the row of importances, its own, and the rest of `target` within it.
     #[inline]
-    fn find(&self, place: &Place, shares: Option<&Shares>, mut target: f32) -> Option<(usize, f32, f32)> {
+    fn find(&self, place: &Place, mut target: f32) -> Option<(usize, f32, f32)> {
         let mut last = None;
         for index in 0..self.0.len() {
-            for (lane, importance) in self.eight(place, shares, index).into_iter().enumerate() {
+            for (lane, importance) in self.0[index].importances(place).into_iter().enumerate() {
                 if importance > 0.0 {
                     last = Some((index * LANES + lane, importance, target.min(importance)));
                     if target < importance {
@@ -143,44 +130,46 @@ pub struct ImportanceSampler {
 struct Group {
     lamps: Lamps,
     lights: Vec<u32>,
-    /// Where its shares begin.
-    first_share: usize,
-}
-
-impl Group {
-    fn shares<'a>(&self, shares: Option<&'a Shares>) -> Option<&'a Shares> {
-        shares.map(|shares| &shares[self.first_share..])
-    }
 }
 
 #[derive(Clone, Copy, Debug)]
 enum Slot {
-    Far { index: u32, irradiance: f32 },
-    Near { group: u32, member: u32 },
-}
-
-/// The share of a light outside, the `index`th of them; theirs come first.
-#[inline]
-fn far_share(shares: Option<&Shares>, index: usize) -> f32 {
-    shares.map_or(1.0, |shares| shares[index / LANES][index % LANES])
+    Far {
+        irradiance: f32,
+    },
+    Near {
+        group: u32,
+        member: u32,
+    },
+    /// It is never picked.
+    LeftOut,
 }
 
 impl ImportanceSampler {
     /// Over lights by index. Nothing is nearer to a lamp than `nearest`, m, so that places on a point light stay finite.
     pub fn new(lights: &[LightImportance], nearest: f32) -> Self {
+        Self::of_shares(lights, nearest, |_| 1.0)
+    }
+
+    /// The same where only a share of each light's importance is left; what has none is left out.
+    pub fn of_shares(lights: &[LightImportance], nearest: f32, share: impl Fn(usize) -> f32) -> Self {
         let (mut far, mut near) = (Vec::new(), Vec::new());
-        let mut slots = vec![Slot::Far { index: 0, irradiance: 0.0 }; lights.len()];
+        let mut slots = vec![Slot::LeftOut; lights.len()];
         // Shares of the whole keep far from the ends of f32 whatever the unit.
         let brightest = lights.iter().map(LightImportance::brightness).fold(f32::MIN_POSITIVE, f32::max);
         for (light, importance) in (0u32..).zip(lights) {
+            let share = share(light as usize);
+            if share == 0.0 {
+                continue;
+            }
             match *importance {
                 LightImportance::Far { irradiance } => {
-                    let irradiance = irradiance / brightest;
-                    slots[light as usize] = Slot::Far { index: far.len() as u32, irradiance };
+                    let irradiance = share * irradiance / brightest;
+                    slots[light as usize] = Slot::Far { irradiance };
                     far.push((light, irradiance));
                 }
                 LightImportance::Near(lamp) => {
-                    let (radius, intensity) = (lamp.radius.max(nearest), lamp.intensity / brightest);
+                    let (radius, intensity) = (lamp.radius.max(nearest), share * lamp.intensity / brightest);
                     near.push((light, Lamp { radius, intensity, ..lamp }));
                 }
             }
@@ -194,44 +183,26 @@ impl ImportanceSampler {
             }
         }
         let groups = (parts.len() > 1).then(|| Lamps::new(parts.iter().map(|members| joined(members))));
-        let mut first_share = far.len().div_ceil(LANES) + groups.as_ref().map_or(0, |groups| groups.0.len());
-        let group = |members: Vec<(u32, Lamp)>| {
-            let lamps = Lamps::new(members.iter().map(|(_, lamp)| *lamp));
-            let lights = members.iter().map(|(light, _)| *light).collect();
-            let first = first_share;
-            first_share += lamps.0.len();
-            Group { lamps, lights, first_share: first }
+        let group = |members: Vec<(u32, Lamp)>| Group {
+            lamps: Lamps::new(members.iter().map(|(_, lamp)| *lamp)),
+            lights: members.iter().map(|(light, _)| *light).collect(),
         };
         Self { far, far_total, groups, members: parts.into_iter().map(group).collect(), slots }
     }
 
-    /// Shares of all lights by index, above 0, as picks need them: lights outside, groups, and the members of each.
-    pub fn arrange(&self, of_light: &[f32]) -> Vec<Lanes> {
-        let mut shares = Vec::new();
-        append(&mut shares, self.far.iter().map(|(light, _)| of_light[*light as usize]));
-        if self.groups.is_some() {
-            append(&mut shares, self.members.iter().map(|group| group.mean_share(of_light)));
-        }
-        for group in &self.members {
-            append(&mut shares, group.lights.iter().map(|light| of_light[*light as usize]));
-        }
-        shares
-    }
-
     /// A light for `place` with `u` in [0, 1), and the probability of that; `None` where no light shines to.
     #[inline]
-    pub fn pick(&self, place: &Place, shares: Option<&Shares>, u: f32) -> Option<(usize, f32)> {
-        let (near, far) = (self.near_total(place, shares), self.far_total(shares));
+    pub fn pick(&self, place: &Place, u: f32) -> Option<(usize, f32)> {
+        let (near, far) = (self.near_total(place), self.far_total);
         let total = far + near;
         if total <= 0.0 {
             return None;
         }
         let mut target = u * total;
         let mut last = None;
-        for (index, (light, irradiance)) in self.far.iter().enumerate() {
-            let irradiance = irradiance * far_share(shares, index);
+        for (light, irradiance) in &self.far {
             last = Some((*light as usize, irradiance / total));
-            if target < irradiance {
+            if target < *irradiance {
                 return last;
             }
             target -= irradiance;
@@ -241,36 +212,35 @@ impl ImportanceSampler {
             return last;
         }
         let (group, importance, rest) = match &self.groups {
-            Some(groups) => groups.find(place, self.group_shares(shares), target)?,
+            Some(groups) => groups.find(place, target)?,
             None => (0, near, target),
         };
         let group = &self.members[group];
-        let shares = group.shares(shares);
-        let within = if self.groups.is_some() { group.lamps.total(place, shares) } else { near };
-        let (member, share, _) = group.lamps.find(place, shares, rest / importance * within)?;
+        let within = if self.groups.is_some() { group.lamps.total(place) } else { near };
+        let (member, share, _) = group.lamps.find(place, rest / importance * within)?;
         let probability = if self.groups.is_some() { importance / total * (share / within) } else { share / total };
         Some((group.lights[member] as usize, probability))
     }
 
     /// The probability with which [`ImportanceSampler::pick`] takes `light` at `place`.
     #[inline]
-    pub fn probability(&self, place: &Place, shares: Option<&Shares>, light: usize) -> f32 {
-        let total = self.far_total(shares) + self.near_total(place, shares);
+    pub fn probability(&self, place: &Place, light: usize) -> f32 {
+        let total = self.far_total + self.near_total(place);
         if total <= 0.0 {
             return 0.0;
         }
         match self.slots[light] {
-            Slot::Far { index, irradiance } => irradiance * far_share(shares, index as usize) / total,
+            Slot::LeftOut => 0.0,
+            Slot::Far { irradiance } => irradiance / total,
             Slot::Near { group: index, member } => {
                 let group = &self.members[index as usize];
-                let within = group.shares(shares);
-                let share = group.lamps.importance(place, within, member as usize);
+                let share = group.lamps.importance(place, member as usize);
                 match &self.groups {
                     _ if share == 0.0 => 0.0,
                     None => share / total,
                     Some(groups) => {
-                        let importance = groups.importance(place, self.group_shares(shares), index as usize);
-                        importance / total * (share / group.lamps.total(place, within))
+                        let importance = groups.importance(place, index as usize);
+                        importance / total * (share / group.lamps.total(place))
                     }
                 }
             }
@@ -278,52 +248,12 @@ impl ImportanceSampler {
     }
 
     #[inline]
-    fn far_total(&self, shares: Option<&Shares>) -> f32 {
-        match shares {
-            None => self.far_total,
-            Some(_) => {
-                self.far.iter().enumerate().map(|(index, (_, irradiance))| irradiance * far_share(shares, index)).sum()
-            }
-        }
-    }
-
-    #[inline]
-    fn near_total(&self, place: &Place, shares: Option<&Shares>) -> f32 {
+    fn near_total(&self, place: &Place) -> f32 {
         match (&self.groups, self.members.first()) {
-            (Some(groups), _) => groups.total(place, self.group_shares(shares)),
-            (None, Some(only)) => only.lamps.total(place, only.shares(shares)),
+            (Some(groups), _) => groups.total(place),
+            (None, Some(only)) => only.lamps.total(place),
             (None, None) => 0.0,
         }
-    }
-
-    #[inline]
-    fn group_shares<'a>(&self, shares: Option<&'a Shares>) -> Option<&'a Shares> {
-        shares.map(|shares| &shares[self.far.len().div_ceil(LANES)..])
-    }
-}
-
-impl Group {
-    /// The mean share of its members, by their intensity.
-    fn mean_share(&self, of_light: &[f32]) -> f32 {
-        let (mut sum, mut total) = (0.0, 0.0);
-        for (member, light) in self.lights.iter().enumerate() {
-            let eight = &self.lamps.0[member / LANES];
-            let intensity = eight.base[member % LANES] + eight.slope[member % LANES];
-            sum += intensity * of_light[*light as usize];
-            total += intensity;
-        }
-        if total > 0.0 { sum / total } else { 1.0 }
-    }
-}
-
-/// Adds numbers in lanes; spare ones are 0.
-fn append(lanes: &mut Vec<Lanes>, numbers: impl Iterator<Item = f32>) {
-    let first = lanes.len();
-    for (index, number) in numbers.enumerate() {
-        if index % LANES == 0 {
-            lanes.push([0.0; LANES]);
-        }
-        lanes[first + index / LANES][index % LANES] = number;
     }
 }
 

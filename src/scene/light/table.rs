@@ -25,6 +25,10 @@ pub struct LightTable {
     /// For photons and light subpaths; by power, unless it is known better.
     by_emission: Discrete,
     by_place: ImportanceSampler,
+    /// Of each light by index.
+    importances: Arc<[LightImportance]>,
+    /// Surfaces count as no nearer to a light when one is picked, m.
+    nearest: f32,
     /// What is known of occlusion.
     visibility: Option<LightVisibility>,
     /// Index of the light that surrounds the scene.
@@ -38,6 +42,8 @@ pub struct LightTable {
 const FEW: usize = 8;
 /// Surfaces count as no nearer to a light than this share of the scene's radius when one is picked.
 const NEAREST: f32 = 1e-4;
+/// Lights with less than this part of the largest share in a cell are left to picks by power.
+const LEAST_SEEN: f32 = 0.01;
 
 impl LightTable {
     /// A table of the lights in `geometry`; `None` when no light emits anything.
@@ -45,7 +51,8 @@ impl LightTable {
         let powers: Vec<f64> = lights.iter().map(|light| f64::from(luminance(light.power()))).collect();
         let by_power = Discrete::new(&powers)?;
         let importances: Vec<LightImportance> = lights.iter().map(|light| light.importance(geometry)).collect();
-        let by_place = ImportanceSampler::new(&importances, NEAREST * geometry.bounding_sphere().1);
+        let nearest = NEAREST * geometry.bounding_sphere().1;
+        let by_place = ImportanceSampler::new(&importances, nearest);
         let environment = lights.iter().position(Light::is_environment);
         let has_extent = lights.iter().any(Light::has_extent);
         let emitters: Vec<u32> = lights
@@ -64,6 +71,8 @@ impl LightTable {
             by_emission: by_power.clone(),
             by_power,
             by_place,
+            importances: importances.into(),
+            nearest,
             visibility: None,
             environment,
             has_extent,
@@ -97,10 +106,11 @@ impl LightTable {
 
     /// A cell with these shares of the lights by index; `None` when none of them emits anything.
     pub(super) fn visibility_cell(&self, shares: &[f32]) -> Option<VisibilityCell> {
-        let powers = shares.iter().enumerate();
-        let powers = powers.map(|(light, share)| f64::from(share * self.by_power.probability(light)));
+        let least = LEAST_SEEN * shares.iter().copied().fold(0.0, f32::max);
+        let kept = |light: usize| if shares[light] < least { 0.0 } else { shares[light] };
+        let powers = (0..shares.len()).map(|light| f64::from(kept(light) * self.by_power.probability(light)));
         let by_power = Discrete::new(&powers.collect::<Vec<f64>>())?;
-        Some(VisibilityCell::new(self.by_place.arrange(shares), by_power))
+        Some(VisibilityCell { by_place: ImportanceSampler::of_shares(&self.importances, self.nearest, kept), by_power })
     }
 
     /// The lights.
@@ -138,9 +148,9 @@ impl LightTable {
         let by_power = place.by_power();
         let (index, at_place) = if u < by_power {
             let index = self.by_power.pick(u / by_power).0;
-            (index, self.by_place.probability(place, None, index))
+            (index, self.by_place.probability(place, index))
         } else {
-            self.by_place.pick(place, None, (u - by_power) / (1.0 - by_power))?
+            self.by_place.pick(place, (u - by_power) / (1.0 - by_power))?
         };
         Some((index, self.mixed(place, index, at_place)))
     }
@@ -152,11 +162,10 @@ impl LightTable {
             return 1.0;
         }
         match &self.visibility {
-            None => self.mixed(place, index, self.by_place.probability(place, None, index)),
+            None => self.mixed(place, index, self.by_place.probability(place, index)),
             Some(visibility) => {
                 let cell = visibility.cell(place.position);
-                let at_place = self.by_place.probability(place, Some(cell.shares()), index);
-                self.mixed_seen(cell, place, index, at_place)
+                self.mixed_seen(cell, place, index, cell.by_place.probability(place, index))
             }
         }
     }
@@ -168,28 +177,26 @@ impl LightTable {
         by_power * self.by_power.probability(index) + (1.0 - by_power) * at_place
     }
 
-    /// Picks that know what is hidden: what goes by power beyond [`BY_POWER`] goes by seen power, and the rest by seen importance. What
-    /// was taken for hidden by chance is still found by power.
+    /// Picks that know what is hidden: [`BY_POWER`] of them go by power, what goes by power beyond that by seen power, and the rest by
+    /// seen importance. What was taken for hidden by chance is still found by power.
     fn pick_seen(&self, cell: &VisibilityCell, place: &Place, u: f32) -> Option<(usize, f32)> {
-        let by_power = place.by_power();
-        let by_all_power = by_power.min(BY_POWER);
-        let by_index = |index: usize| (index, self.by_place.probability(place, Some(cell.shares()), index));
-        let (index, at_place) = if u < by_all_power {
-            by_index(self.by_power.pick(u / by_all_power).0)
+        let by_power = place.by_power().max(BY_POWER);
+        let by_index = |index: usize| (index, cell.by_place.probability(place, index));
+        let (index, at_place) = if u < BY_POWER {
+            by_index(self.by_power.pick(u / BY_POWER).0)
         } else if u < by_power {
-            by_index(cell.by_power().pick((u - by_all_power) / (by_power - by_all_power)).0)
+            by_index(cell.by_power.pick((u - BY_POWER) / (by_power - BY_POWER)).0)
         } else {
-            self.by_place.pick(place, Some(cell.shares()), (u - by_power) / (1.0 - by_power))?
+            cell.by_place.pick(place, (u - by_power) / (1.0 - by_power))?
         };
         Some((index, self.mixed_seen(cell, place, index, at_place)))
     }
 
     /// The probability of such a pick.
     fn mixed_seen(&self, cell: &VisibilityCell, place: &Place, index: usize, at_place: f32) -> f32 {
-        let by_power = place.by_power();
-        let by_all_power = by_power.min(BY_POWER);
-        by_all_power * self.by_power.probability(index)
-            + (by_power - by_all_power) * cell.by_power().probability(index)
+        let by_power = place.by_power().max(BY_POWER);
+        BY_POWER * self.by_power.probability(index)
+            + (by_power - BY_POWER) * cell.by_power.probability(index)
             + (1.0 - by_power) * at_place
     }
 

@@ -2,7 +2,7 @@
 //! the scene, so that picks pass over lights that walls hide.
 
 use super::LightTable;
-use super::importance_sampler::{Lanes, Shares};
+use super::importance_sampler::ImportanceSampler;
 use crate::math::Vec3;
 use crate::math::discrete::Discrete;
 
@@ -53,26 +53,13 @@ enum Node {
     Cell(u32),
 }
 
-/// What picks need in a cell.
+/// What picks need in a cell: the lights that are seen in it. Others are found by their power alone.
 #[derive(Clone, Debug)]
 pub struct VisibilityCell {
-    /// In the order of the importance sampler.
-    shares: Vec<Lanes>,
-    by_power: Discrete,
-}
-
-impl VisibilityCell {
-    /// What is left of importances.
-    #[inline]
-    pub fn shares(&self) -> &Shares {
-        &self.shares
-    }
-
-    /// What is left of powers.
-    #[inline]
-    pub fn by_power(&self) -> &Discrete {
-        &self.by_power
-    }
+    /// By what is left of importances.
+    pub(super) by_place: ImportanceSampler,
+    /// By what is left of powers.
+    pub(super) by_power: Discrete,
 }
 
 /// The tree.
@@ -140,12 +127,5 @@ impl LightVisibility {
                 Node::Cell(cell) => return cell as usize,
             }
         }
-    }
-}
-
-impl VisibilityCell {
-    /// With shares in the order of the importance sampler, and what is left of powers.
-    pub(super) fn new(shares: Vec<Lanes>, by_power: Discrete) -> Self {
-        Self { shares, by_power }
     }
 }
