@@ -4,7 +4,8 @@
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Rgb, Vec3, octahedral, warp};
 use photonfarm::transport::photon_map::{
-    GatherQuery, Gathered, Grid, KdTree, Nearest, Photon, PhotonChunk, PhotonLookup, PhotonMap,
+    CompactPhoton, GatherQuery, Gathered, Grid, KdTree, Nearest, Photon, PhotonChunk, PhotonLookup, PhotonMap,
+    StoredPhoton,
 };
 
 const LOW: Vec3 = Vec3::new(-1.0, -2.0, 0.5);
@@ -233,6 +234,26 @@ fn a_kd_tree_depends_on_the_photons_alone() {
     let one = tree(&photons, 1);
     assert_eq!(one, tree(&turned, 1));
     assert_eq!(one, tree(&photons, 4));
+}
+
+#[test]
+fn small_records_keep_photons_within_their_precision() {
+    assert_eq!(size_of::<CompactPhoton>(), 20);
+    for photon in cloud(9, 10_000) {
+        let kept = CompactPhoton::from(&photon).unpacked();
+        assert_eq!(kept.position, photon.position);
+        assert_eq!((kept.segments(), kept.is_scattered()), (photon.segments(), photon.is_scattered()));
+        let angle = |a: Vec3, b: Vec3| a.normalize().dot(b.normalize()).clamp(-1.0, 1.0).acos();
+        let turned = angle(octahedral::decode(kept.direction), octahedral::decode(photon.direction));
+        assert!(turned < 0.01, "a direction is {turned} rad off");
+        let tilted = angle(kept.normal(), photon.normal());
+        assert!(tilted < 0.15, "a normal is {tilted} rad off");
+        let largest = photon.flux.into_iter().fold(0.0, f32::max);
+        for (kept, flux) in kept.flux.into_iter().zip(photon.flux) {
+            // The largest channel has a mantissa of at least 128 steps, or 127.5 at most where rounding would overflow.
+            assert!((kept - flux).abs() <= largest / 127.0, "{kept} for {flux} beside {largest}");
+        }
+    }
 }
 
 #[test]

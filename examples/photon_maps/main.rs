@@ -28,8 +28,8 @@ struct Chapter {
 const CHAPTERS: &[Chapter] = &[
     Chapter {
         name: "structures",
-        heading: "Structures to look photons up in (2.3, 2.4)",
-        minutes: 5,
+        heading: "Structures to look photons up in (2.2 to 2.4)",
+        minutes: 6,
         run: structures::run,
     },
     Chapter { name: "importance", heading: "Photons where they are needed (4.7)", minutes: 4, run: importance::run },

@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 
 use super::gather::FLATNESS;
 use super::photon::OriginPhoton;
-use super::{GatherQuery, Nearest, OriginLookup, Photon, PhotonLookup, PhotonMap, PhotonRecord};
+use super::{GatherQuery, Nearest, OriginLookup, Photon, PhotonLookup, PhotonMap, StoredPhoton};
 use crate::math::Vec3;
 
 /// Photons of a run that is not split any more.
@@ -31,7 +31,7 @@ impl From<PhotonMap<f32>> for KdTree<OriginPhoton> {
     }
 }
 
-impl<R: PhotonRecord> KdTree<R> {
+impl<R: StoredPhoton> KdTree<R> {
     /// Sorts photons into a tree.
     pub fn build(mut photons: Vec<R>) -> Self {
         let mut axes = vec![0; photons.len()];
@@ -72,7 +72,7 @@ impl<R: PhotonRecord> KdTree<R> {
 
     #[inline]
     fn take(&self, index: usize, query: &GatherQuery, count: usize, found: &mut Nearest) {
-        let Some(seen) = query.look(self.photons[index].photon()) else { return };
+        let Some(seen) = query.look(&self.photons[index].unpacked()) else { return };
         let distance_squared = seen.least_radius_squared();
         if distance_squared < found.radius_squared() {
             found.take(distance_squared, index);
@@ -84,7 +84,7 @@ impl<R: PhotonRecord> KdTree<R> {
     #[inline]
     fn beyond(&self, photon: usize, point: Vec3) -> f32 {
         let axis = usize::from(self.axes[photon]);
-        point[axis] - self.photons[photon].photon().position[axis]
+        point[axis] - self.photons[photon].position()[axis]
     }
 
     fn all(&self) -> Run {
@@ -113,14 +113,14 @@ impl Run {
 }
 
 /// Sorts a run so that its middle splits it, and then both sides.
-fn sort<R: PhotonRecord>(photons: &mut [R], axes: &mut [u8]) {
+fn sort<R: StoredPhoton>(photons: &mut [R], axes: &mut [u8]) {
     if photons.len() <= LEAF {
-        photons.sort_unstable_by(|a, b| compare(a.photon(), b.photon(), 0));
+        photons.sort_unstable_by(|a, b| compare(a, b, 0));
         return;
     }
     let axis = longest_side(photons);
     let middle = photons.len() / 2;
-    photons.select_nth_unstable_by(middle, |a, b| compare(a.photon(), b.photon(), axis));
+    photons.select_nth_unstable_by(middle, |a, b| compare(a, b, axis));
     axes[middle] = axis as u8;
     let ((before, rest), (axes_before, axes_rest)) = (photons.split_at_mut(middle), axes.split_at_mut(middle));
     let (behind, axes_behind) = (&mut rest[1..], &mut axes_rest[1..]);
@@ -133,29 +133,30 @@ fn sort<R: PhotonRecord>(photons: &mut [R], axes: &mut [u8]) {
 }
 
 /// By the coordinate along `axis`, and where that is the same by all else, so that only photons that are the same are equal.
-fn compare(a: &Photon, b: &Photon, axis: usize) -> Ordering {
+fn compare<R: StoredPhoton>(a: &R, b: &R, axis: usize) -> Ordering {
     let by_rest = || {
+        let (a, b) = (a.unpacked(), b.unpacked());
         let places = a.position.map(f32::to_bits).cmp(&b.position.map(f32::to_bits));
         let words = |photon: &Photon| (photon.direction, photon.normal_and_segments, photon.flux.map(f32::to_bits));
-        places.then_with(|| words(a).cmp(&words(b)))
+        places.then_with(|| words(&a).cmp(&words(&b)))
     };
-    a.position[axis].total_cmp(&b.position[axis]).then_with(by_rest)
+    a.position()[axis].total_cmp(&b.position()[axis]).then_with(by_rest)
 }
 
-fn longest_side<R: PhotonRecord>(photons: &[R]) -> usize {
+fn longest_side<R: StoredPhoton>(photons: &[R]) -> usize {
     let around = |(low, high): (Vec3, Vec3), photon: &R| {
-        let position = Vec3::from_array(photon.photon().position);
+        let position = Vec3::from_array(photon.position());
         (low.min(position), high.max(position))
     };
     let (low, high) = photons.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), around);
     (high - low).max_position()
 }
 
-impl<R: PhotonRecord> PhotonLookup for KdTree<R> {
+impl<R: StoredPhoton> PhotonLookup for KdTree<R> {
     fn visit_disc(&self, query: &GatherQuery, mut visit: impl FnMut(usize, bool)) {
         let flatness = FLATNESS * query.radius_squared.sqrt();
         self.for_each_near(self.all(), query.position, query.radius_squared.sqrt(), &mut |index| {
-            let Some(seen) = query.look(self.photons[index].photon()) else { return };
+            let Some(seen) = query.look(&self.photons[index].unpacked()) else { return };
             if seen.distance_squared < query.radius_squared && seen.height.abs() <= flatness {
                 visit(index, seen.distance_squared < 0.5 * query.radius_squared);
             }
@@ -170,7 +171,7 @@ impl<R: PhotonRecord> PhotonLookup for KdTree<R> {
 
     #[inline]
     fn photon(&self, index: usize) -> Photon {
-        *self.photons[index].photon()
+        self.photons[index].unpacked()
     }
 
     fn len(&self) -> usize {

@@ -4,6 +4,7 @@
 //! [`PhotonLookup`], which [`KdTree`] implements as well. The order of photons, and so every rounded sum, depends on the pass alone.
 
 mod build;
+mod compact;
 mod gather;
 mod grid;
 mod kd_tree;
@@ -12,13 +13,14 @@ mod nearest;
 mod photon;
 
 pub use build::{PhotonChunk, trace};
+pub use compact::CompactPhoton;
 pub use gather::{GatherQuery, Gathered};
 pub use grid::Grid;
 pub use kd_tree::KdTree;
 pub use lookup::{OriginLookup, PhotonLookup};
 pub use nearest::{FIRST_SEARCH_CELLS, Nearest};
 pub use photon::{
-    OriginPhoton, PathPhoton, PathSegment, Photon, PhotonColumns, PhotonRecord, PhotonWith, TracedPhoton,
+    OriginPhoton, PathPhoton, PathSegment, Photon, PhotonColumns, PhotonRecord, PhotonWith, StoredPhoton, TracedPhoton,
 };
 
 /// The photons of one pass in a grid, with whatever else methods keep of them.

@@ -31,6 +31,27 @@ pub trait PhotonRecord: Copy + Default + Send + Sync {
     fn extra(&self) -> Self::Extra;
 }
 
+/// What a tree keeps of a photon.
+pub trait StoredPhoton: Copy + Send + Sync {
+    /// Position, m.
+    fn position(&self) -> [f32; 3];
+
+    /// The photon, as far as it is kept.
+    fn unpacked(&self) -> Photon;
+}
+
+impl<R: PhotonRecord> StoredPhoton for R {
+    #[inline]
+    fn position(&self) -> [f32; 3] {
+        self.photon().position
+    }
+
+    #[inline]
+    fn unpacked(&self) -> Photon {
+        *self.photon()
+    }
+}
+
 impl PhotonRecord for Photon {
     type Extra = ();
 
