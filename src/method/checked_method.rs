@@ -43,6 +43,11 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
         None
     }
 
+    /// Which of its parameters bring nothing in a scene with such traits, if any does, and what does instead.
+    fn futile_in(&self, _traits: SceneTraits) -> Option<&'static str> {
+        None
+    }
+
     /// The ways of finding paths that it tells apart, up to so many segments; `None` for methods that have no `strategy`.
     fn strategies(&self, _longest: u32) -> Option<Vec<Strategy>> {
         None

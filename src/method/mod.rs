@@ -125,6 +125,9 @@ pub struct SceneTraits {
     /// Media that scatter light, or absorb unevenly.
     #[serde(default)]
     pub media: bool,
+    /// Nearly all light meets mirrors or glass first, so that hardly any point sees a lamp.
+    #[serde(default)]
+    pub sealed_lights: bool,
 }
 
 impl SceneTraits {
@@ -135,6 +138,7 @@ impl SceneTraits {
             specular: scene.lobes().any(Lobes::SPECULAR),
             negative_lobes: scene.film.filter.has_negative_lobes(),
             media: scene.has_scattering_media(),
+            sealed_lights: scene.has_sealed_lights(),
         }
     }
 }
@@ -299,7 +303,8 @@ pub fn blind_spot(method: &CheckedMethod, traits: SceneTraits) -> Option<String>
     Some(format!("{} cannot find {unseen}.", method.entry.name))
 }
 
-/// What a user should know of a method in a scene: light that it never finds, and a filter that it replaces.
+/// What a user should know of a method in a scene: light that it never finds, parameters that do nothing there, and a filter that it
+/// replaces.
 pub fn notices(method: &CheckedMethod, traits: SceneTraits) -> Vec<String> {
     let entry = method.entry;
     let replaced = (traits.negative_lobes && !entry.negative_lobes).then(|| {
@@ -310,7 +315,8 @@ pub fn notices(method: &CheckedMethod, traits: SceneTraits) -> Vec<String> {
             entry.name
         )
     });
-    blind_spot(method, traits).into_iter().chain(replaced).collect()
+    let futile = method.parameters.futile_in(traits).map(|what| format!("{}: {what}.", entry.name));
+    blind_spot(method, traits).into_iter().chain(futile).chain(replaced).collect()
 }
 
 /// The power of time with which theory says that a method's mean square error falls, once there are many passes.

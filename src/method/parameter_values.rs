@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
+use super::SceneTraits;
 use super::bounded_numbers::bounded;
 use super::parameters::ParameterValue;
 use crate::estimate::RadiusRule;
@@ -169,6 +170,15 @@ pub enum DirectLight {
     Sample,
     /// By photons alone.
     Photons,
+}
+
+impl DirectLight {
+    /// What sampling lights is good for where none is seen.
+    pub fn futile_in(self, traits: SceneTraits) -> Option<&'static str> {
+        (self == Self::Sample && traits.sealed_lights).then_some(
+            "nearly all light meets mirrors or glass first, so direct: sample finds hardly any; direct: photons spares its rays",
+        )
+    }
 }
 
 impl ParameterValue for DirectLight {

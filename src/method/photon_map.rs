@@ -52,7 +52,7 @@ use super::parameter_values::{Emission, limits};
 use super::parameters::{ParameterSet, read_method};
 use super::photon_pass::PILOT_PASS;
 use super::visibility_pilot::LightSampling;
-use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits};
 use crate::estimate::{PixelTally, Region};
 use crate::math::random::{PassRandom, Stream};
 use crate::scene::Scene;
@@ -95,6 +95,13 @@ impl ParameterizedMethod for Parameters {
 
     fn light_sampling(&self) -> Option<LightSampling> {
         Some(LightSampling::gathering(self.light_picks, limits(self.max_depth, self.rr_depth)))
+    }
+
+    fn futile_in(&self, traits: SceneTraits) -> Option<&'static str> {
+        traits.sealed_lights.then_some(
+            "nearly all light meets mirrors or glass first, so sampled direct light finds hardly any, and most of what is seen is read \
+             from the caustic map, which no gather ray smooths; sppm shrinks what that blurs",
+        )
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

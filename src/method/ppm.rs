@@ -32,7 +32,7 @@ use super::shared_parameters::{
     ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
 };
 use super::visibility_pilot::LightSampling;
-use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod};
+use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits};
 use crate::estimate::{PixelTally, RadiusRule, Region};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
@@ -109,6 +109,10 @@ impl ParameterizedMethod for Parameters {
     fn light_sampling(&self) -> Option<LightSampling> {
         let sampling = LightSampling::gathering(self.light_picks, limits(self.max_depth, self.rr_depth));
         (self.direct == DirectLight::Sample).then_some(sampling)
+    }
+
+    fn futile_in(&self, traits: SceneTraits) -> Option<&'static str> {
+        self.direct.futile_in(traits)
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

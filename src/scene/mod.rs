@@ -16,6 +16,7 @@ pub mod medium;
 pub mod needs;
 pub mod notice;
 pub mod prepare;
+mod sealed_lights;
 pub mod texture;
 mod unsupported;
 
