@@ -67,7 +67,7 @@ fn reaches(scene: &Scene, mut ray: Ray) -> bool {
     const PANES: usize = 8;
     for _ in 0..PANES {
         let Some(hit) = scene.geometry.intersect(&ray) else { return true };
-        if !scene.material(hit.shape).lobes().any(Lobes::TRANSMISSIVE) {
+        if !scene.lobes_at(hit.shape).any(Lobes::TRANSMISSIVE) {
             return false;
         }
         let length = ray.length - hit.distance;

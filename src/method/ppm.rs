@@ -221,7 +221,7 @@ impl Ppm {
         let mut waiting = vec![CameraWalk::new(scene, ray, true)];
         while let Some(mut walk) = waiting.pop() {
             let Some(point) = walk.advance(scene, &random, &self.passes.limits, seen, counters) else { continue };
-            let lobes = scene.material(point.hit.shape).lobes();
+            let lobes = scene.lobes_at(point.hit.shape);
             if lobes.any(Lobes::SMOOTH) {
                 points.push(HitPoint::new(&point));
             }

@@ -47,6 +47,8 @@ pub struct Scene {
     pub geometry: Arc<Geometry>,
     /// All materials; shapes hold indices.
     pub materials: Arc<[Material]>,
+    /// Their lobes: asked at every hit.
+    lobes: Arc<[Lobes]>,
     /// Whether some of them turn normals.
     pub turns_normals: bool,
     /// All participating media; shapes hold indices.
@@ -144,6 +146,7 @@ impl Scene {
         check_view(&camera, &geometry, &materials, sensor)?;
         let Film { width, height, .. } = film;
         let (geometry, lights) = (Arc::new(geometry), Arc::new(lights));
+        let lobes = materials.iter().map(Material::lobes).collect();
         let (materials, turns_normals) = (materials.into(), textures.turns_normals());
         let mut scene = Self {
             width,
@@ -152,6 +155,7 @@ impl Scene {
             camera,
             geometry,
             materials,
+            lobes,
             turns_normals,
             lights,
             hides_lights: asked.hides_lights,
@@ -254,12 +258,18 @@ impl Scene {
     /// A hit as a place that light may arrive at.
     #[inline]
     pub fn place(&self, hit: &Interaction) -> Place {
-        Place::on(hit, self.material(hit.shape).lobes())
+        Place::on(hit, self.lobes_at(hit.shape))
+    }
+
+    /// The kinds of lobes of a shape's material.
+    #[inline]
+    pub fn lobes_at(&self, shape: Shape) -> Lobes {
+        self.lobes[shape.material as usize]
     }
 
     /// What any of its materials can do; decides what has to run.
     pub fn lobes(&self) -> Lobes {
-        self.materials.iter().map(Material::lobes).fold(Lobes::NONE, |all, one| all | one)
+        self.lobes.iter().fold(Lobes::NONE, |all, one| all | *one)
     }
 }
 

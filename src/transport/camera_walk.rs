@@ -137,7 +137,8 @@ impl GatherPoint {
     /// Decides whether the path ends here or goes on, and keeps the lobes that this leaves.
     #[inline]
     fn choose(&mut self, scene: &Scene, random: &PathRandom) {
-        let share = scene.material(self.hit.shape).followed_share(&self.view());
+        let may_follow = scene.lobes_at(self.hit.shape).any(Lobes::FOLLOWED);
+        let share = if may_follow { scene.material(self.hit.shape).followed_share(&self.view()) } else { 0.0 };
         self.goes_on = match share {
             0.0 => false,
             1.0 => true,
@@ -162,14 +163,14 @@ pub fn trace_camera_path(
 ) {
     while let Some(mut point) = walk.advance(scene, random, limits, radiance, counters) {
         point.choose(scene, random);
-        let material = scene.material(point.hit.shape);
-        if !point.goes_on || material.lobes().any(Lobes::NARROW) {
+        if !point.goes_on || scene.lobes_at(point.hit.shape).any(Lobes::NARROW) {
             gather(&point, radiance, counters);
         }
         if !point.goes_on {
             return;
         }
         walk.walk.throughput = point.throughput;
+        let material = scene.material(point.hit.shape);
         let u = random.block(dimension::scattering(point.segments));
         let Some(scattering) = shading::scatter(&point.hit, material, &point.view(), [u[0], u[1], u[2]]) else {
             return;

@@ -111,7 +111,7 @@ impl LightTrials<'_> {
             let Some(hit) = step.surface() else { return };
             let material = scene.material(hit.shape);
             let view = shading::view(hit, TransportMode::Radiance);
-            if material.lobes().any(Lobes::SMOOTH) {
+            if scene.lobes_at(hit.shape).any(Lobes::SMOOTH) {
                 let Walk { medium, throughput, steps: step, .. } = walk;
                 visit(&TrialVertex { hit, view, medium, throughput, step }, random);
             }

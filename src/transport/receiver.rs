@@ -14,6 +14,8 @@ pub struct Receiver<'a> {
     material: &'a Material,
     view: View,
     constant: Option<Rgb>,
+    /// Photons on the other side of the surface count too.
+    both_sides: bool,
 }
 
 /// Which photons count at a receiver.
@@ -32,7 +34,8 @@ impl<'a> Receiver<'a> {
     #[inline]
     pub fn new(scene: &'a Scene, hit: &'a Interaction, view: View) -> Self {
         let material = scene.material(hit.shape);
-        Self { hit, material, view, constant: material.constant_value(&view) }
+        let both_sides = scene.lobes_at(hit.shape).any(Lobes::TRANSMISSIVE);
+        Self { hit, material, view, constant: material.constant_value(&view), both_sides }
     }
 
     /// How it is seen.
@@ -57,7 +60,7 @@ impl<'a> Receiver<'a> {
             radius_squared,
             most_segments,
             caustics_only,
-            both_sides: self.material.lobes().any(Lobes::TRANSMISSIVE),
+            both_sides: self.both_sides,
         }
     }
 

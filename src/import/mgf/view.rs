@@ -68,7 +68,11 @@ pub(super) fn with_camera(
 fn is_lit(scene: &Scene, sensor: &Draft) -> bool {
     let Ok(node) = resolve(sensor, &[]) else { return false };
     let camera = camera::read(&mut Fields::new(&node), scene.film.whole);
-    camera.is_ok_and(|camera| !is_dark(&Scene { camera, ..scene.clone() }))
+    camera.is_ok_and(|camera| {
+        let mut seen = scene.clone();
+        seen.camera = camera;
+        !is_dark(&seen)
+    })
 }
 
 /// The scene with its camera, which comes first.

@@ -90,7 +90,7 @@ impl CameraWalk<'_> {
             let Some(hit) = found else { break };
             let sums = self.arrive(hit, walk.segments, &last);
             let material = scene.material(hit.shape);
-            if material.lobes().any(Lobes::SMOOTH) {
+            if scene.lobes_at(hit.shape).any(Lobes::SMOOTH) {
                 radiance += visit(&Vertex::new(&walk, hit, sums), &random, counters);
             }
             let u = random.block(dimension::scattering(walk.steps));

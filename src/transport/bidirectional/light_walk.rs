@@ -61,7 +61,7 @@ impl<V: FnMut(&Vertex, &PathRandom, &mut Counters)> LightVertices for Weighing<'
             }
             _ => weighting.arrive(&self.sums, hit.distance * hit.distance, cosine),
         };
-        if scene.material(hit.shape).lobes().any(Lobes::SMOOTH) {
+        if scene.lobes_at(hit.shape).any(Lobes::SMOOTH) {
             (self.visit)(&Vertex::new(walk, hit, self.sums), random, counters);
         }
     }
