@@ -3,8 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use photonfarm::import;
+use photonfarm::method::{MethodChoice, SceneTraits, check, notices};
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::{Child, PluginClass, SceneDescription};
+
+use serde_json::json;
 
 use crate::description_tree::tree;
 
@@ -48,6 +51,27 @@ fn every_scene_of_the_folder_prepares_without_a_notice() {
         let scene = Scene::prepare(&load(&file)).unwrap_or_else(|error| panic!("{error}"));
         assert!(scene.notices.is_empty(), "{}: {:?}", file.display(), scene.notices);
         assert_eq!(scene.integrator.expect("an integrator").name, "sppm", "{}", file.display());
+    }
+}
+
+#[test]
+fn lamps_sealed_in_glass_are_told_where_lights_are_sampled() {
+    let told = |scene: &str, method: &str, parameters: serde_json::Value| {
+        let scene = Scene::prepare(&load(&own_scene(scene))).unwrap_or_else(|error| panic!("{error}"));
+        let parameters = parameters.as_object().expect("an object").clone();
+        let choice = MethodChoice { name: method.to_owned(), parameters };
+        let method = check(&choice, scene.pixel_count() as u64).expect("good parameters");
+        notices(&method, SceneTraits::of(&scene)).iter().any(|notice| notice.contains("meets mirrors or glass first"))
+    };
+    for scene in ["lamp-in-glass/scene.xml", "bathroom/scene.xml"] {
+        assert!(told(scene, "sppm", json!({})), "{scene}");
+        assert!(told(scene, "photon_map", json!({})), "{scene}");
+        assert!(!told(scene, "sppm", json!({ "direct": "photons" })), "{scene}");
+        assert!(!told(scene, "vcm", json!({})), "{scene}");
+    }
+    // Glass under a lamp seals nothing.
+    for scene in ["cornell-diffuse/scene.xml", "cornell-glass-mirror/scene.xml", "still-life/scene.xml"] {
+        assert!(!told(scene, "sppm", json!({})), "{scene}");
     }
 }
 
