@@ -3,8 +3,10 @@
 //! `cargo run --release --example photon_maps > docs/PHOTON-MAPS.md` runs all chapters; names behind `--` choose among them. How long
 //! each takes stands in [`CHAPTERS`].
 
+mod hierarchy;
 mod importance;
 mod laboratory;
+mod many_maps;
 mod structures;
 
 use std::error::Error;
@@ -32,6 +34,8 @@ const CHAPTERS: &[Chapter] = &[
         minutes: 6,
         run: structures::run,
     },
+    Chapter { name: "many_maps", heading: "Many photon maps (4.4)", minutes: 4, run: many_maps::run },
+    Chapter { name: "hierarchy", heading: "The hierarchical photon map (4.5)", minutes: 3, run: hierarchy::run },
     Chapter { name: "importance", heading: "Photons where they are needed (4.7)", minutes: 4, run: importance::run },
 ];
 

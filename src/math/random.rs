@@ -5,8 +5,10 @@
 //! most, come from a scrambled [`Sequence`] that spreads them evenly over the passes of the pixel. Even and odd passes have
 //! sequences of their own, independent of each other: a job's two twins.
 
+mod permutation;
 mod sequence;
 
+pub use permutation::Permutation;
 use sequence::Sequence;
 
 /// What a family of paths is for; keeps their numbers apart.
@@ -25,7 +27,12 @@ pub enum Stream {
     FirstSurface = 4,
     /// Camera paths at which it is tried which lights are seen.
     Visibility = 5,
+    /// Which pixels look at which of a pass's photon maps.
+    MapChoice = 6,
 }
+
+/// As many parts the numbers of a pass have room for.
+pub const MOST_PARTS: u32 = 1 << 14;
 
 /// The numbers of a pass.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +40,20 @@ pub struct PassRandom {
     key: [u32; 2],
     stream: u32,
     pass: u32,
+    part: Part,
     is_spread: bool,
+}
+
+/// One of a pass's parts.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    index: u32,
+    count: u32,
+}
+
+impl Part {
+    /// A pass that has no others.
+    const WHOLE: Self = Self { index: 0, count: 1 };
 }
 
 impl PassRandom {
@@ -46,21 +66,38 @@ impl PassRandom {
     /// Pass `pass` of `stream` with paths that are independent of each other, as photons must be: many pixels share them, and
     /// evenly spread ones made errors that pixels share too.
     pub fn independent(seed: u64, stream: Stream, pass: u32) -> Self {
-        Self { key: [seed as u32, (seed >> 32) as u32], stream: stream as u32, pass, is_spread: false }
+        Self {
+            key: [seed as u32, (seed >> 32) as u32],
+            stream: stream as u32,
+            pass,
+            part: Part::WHOLE,
+            is_spread: false,
+        }
+    }
+
+    /// The numbers of part `index` of `count` (at most [`MOST_PARTS`]) of the pass: one of its photon maps, or one of each pixel's
+    /// paths. The only part is the pass itself. Parts have blocks of their own in every path's address, so no two of any two passes
+    /// share numbers; evenly spread ones go on through the parts of one pass to those of the next.
+    pub fn part(&self, index: u32, count: u32) -> Self {
+        Self { part: Part { index, count }, ..*self }
     }
 
     /// The numbers of a path: the pixel's index, or that of the path in the pass.
     #[inline]
     pub fn path(&self, path: u32) -> PathRandom {
-        let Self { key, stream, pass, is_spread } = *self;
+        let Self { key, stream, pass, part, is_spread } = *self;
         let address = [path, 0, 0, SEQUENCES | stream | (pass & 1) << 8];
-        let sequence = is_spread.then(|| Sequence::new(philox::<7>(address, key), pass >> 1));
-        PathRandom { key, stream, pass, path, sequence }
+        // Only after 2³² samples of a pixel the sequence begins again.
+        let sample = (pass >> 1).wrapping_mul(part.count).wrapping_add(part.index);
+        let sequence = is_spread.then(|| Sequence::new(philox::<7>(address, key), sample));
+        PathRandom { key, stream, pass, path, first_block: part.index * BLOCKS_OF_A_PART, sequence }
     }
 }
 
 /// Blocks that are spread evenly: those of the first two vertices. Later ones decide too little by themselves to pay.
 const SPREAD_BLOCKS: u32 = 6;
+/// More blocks than a path has: those of 131,072 vertices.
+const BLOCKS_OF_A_PART: u32 = u32::MAX / MOST_PARTS + 1;
 /// Keeps the keys of sequences apart from the numbers of paths.
 const SEQUENCES: u32 = 1 << 31;
 
@@ -71,6 +108,8 @@ pub struct PathRandom {
     stream: u32,
     pass: u32,
     path: u32,
+    /// Where the blocks of its part of the pass begin.
+    first_block: u32,
     /// Of which the first blocks come.
     sequence: Option<Sequence>,
 }
@@ -90,11 +129,16 @@ impl PathRandom {
     /// are the last two.
     #[inline]
     pub fn block(&self, block: u32) -> [f32; 4] {
-        let bits = match self.sequence {
+        self.bits(block).map(|bits| (bits >> 8) as f32 * (1.0 / 16_777_216.0))
+    }
+
+    /// The 32-bit numbers of a block.
+    #[inline]
+    fn bits(&self, block: u32) -> [u32; 4] {
+        match self.sequence {
             Some(sequence) if block < SPREAD_BLOCKS => sequence.block(block),
-            _ => philox::<7>([self.path, self.pass, block, self.stream], self.key),
-        };
-        bits.map(|bits| (bits >> 8) as f32 * (1.0 / 16_777_216.0))
+            _ => philox::<7>([self.path, self.pass, self.first_block.wrapping_add(block), self.stream], self.key),
+        }
     }
 }
 

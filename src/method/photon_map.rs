@@ -4,8 +4,9 @@
 //! from the BSDF look up the radiance that the global map estimates where they end. Passes are averaged.
 //!
 //! References: [J96] Jensen 1996, "Global illumination using photon maps"; [Wa99] Wald 1999, "Photorealistic rendering
-//! using the photon map", sections 2.5 (estimate, caustic map), 4.3 (local pass), 4.4 (multiple maps); [Vo11] Vorba 2011,
-//! "Bidirectional photon mapping", section 1.6 with eq. 1.12.
+//! using the photon map", sections 2.5 (estimate, caustic map), 4.3 (local pass), 4.4 (multiple maps), 4.5 (hierarchy);
+//! [He98] Heinrich 1998, "A multilevel version of the method of dependent tests"; [Vo11] Vorba 2011, "Bidirectional photon
+//! mapping", section 1.6 with eq. 1.12.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|
@@ -31,11 +32,17 @@
 //! D did [J96]: direct light, caustics, and one more gather ray. With `final_gather: 0` the D looks at the global map
 //! itself, for photons that some D or G scattered.
 //!
+//! Many maps [Wa99, sections 4.4 and 4.5]: a pass traces sets of `maps` maps each, one set after the other, and estimates are
+//! means over a set. There is one set; with `skipping: S` there are S², and each pixel looks at one of them; with
+//! `hierarchy`, pixels on finer levels of a scanline look at fewer of them. A sample of a pixel is the mean of `camera_paths`
+//! paths, which look at the same set.
+//!
 //! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
 //! falls as √(k/photons_per_pass). Memory: 36 bytes per stored photon, and again for each caustic one.
 
 mod first_pass;
+mod hierarchy;
 mod local_pass;
 mod look_up;
 mod parameters;
@@ -44,15 +51,19 @@ mod second_pass;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use hierarchy::Hierarchy;
 use look_up::LookUp;
 use parameters::{Neighbors, Parameters};
+use second_pass::{MapChoice, Step, TracedPass};
 
 use super::gather_ends::GatherEnds;
 use super::parameter_values::{Emission, limits};
 use super::parameters::{ParameterSet, read_method};
 use super::photon_pass::PILOT_PASS;
 use super::visibility_pilot::LightSampling;
-use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits};
+use super::{
+    Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits,
+};
 use crate::estimate::{PixelTally, Region};
 use crate::math::random::{PassRandom, Stream};
 use crate::scene::Scene;
@@ -104,15 +115,21 @@ impl ParameterizedMethod for Parameters {
         )
     }
 
+    fn finds_nothing(&self) -> Option<FindsNothing> {
+        self.contradiction()
+    }
+
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let scene_radius = scene.geometry.bounding_sphere().1;
-        let look_up = |neighbors: Neighbors| self.look_up(neighbors.get(), scene_radius, photons_per_pass);
+        let photons = photons_per_pass / self.maps.get();
+        let look_up = |neighbors: Neighbors| self.look_up(neighbors.get(), scene_radius, photons);
         Box::new(TwoPasses {
             seed,
             limits: limits(self.max_depth, self.rr_depth),
             photons_per_pass,
             global: look_up(self.neighbors),
             caustic: look_up(self.caustic_neighbors),
+            choice: self.map_choice(scene.width),
             parameters: self.clone(),
             scene,
         })
@@ -127,22 +144,35 @@ struct TwoPasses {
     photons_per_pass: u32,
     global: LookUp,
     caustic: LookUp,
+    choice: MapChoice,
     parameters: Parameters,
+}
+
+impl Parameters {
+    /// Which pixels of a picture `width` pixels wide look at which maps.
+    fn map_choice(&self, width: u32) -> MapChoice {
+        match (self.hierarchy.get(), self.skipping.get()) {
+            (0, 1) => MapChoice::Only,
+            (0, skipping) => MapChoice::Skipping(skipping * skipping),
+            (levels, _) => {
+                let (coarsest, finest) = (self.coarsest_samples.get(), self.finest_samples.get());
+                MapChoice::Hierarchy(Hierarchy::new(width, levels, coarsest, finest))
+            }
+        }
+    }
 }
 
 impl PreparedMethod for TwoPasses {
     fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
-        self.trace([Stream::Photon, Stream::Camera], pass, pixels, cancel)
+        TracedPass { method: self, streams: [Stream::Photon, Stream::Camera], pass, cancel }.trace(pixels)
     }
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
         let region = Region { row_start: 0, row_end: self.scene.height };
-        let count = self.scene.pixel_count();
-        let gather_rays = self.parameters.final_gather.get();
         let ends = GatherEnds {
             scene: &self.scene,
             limits: self.limits,
-            gathers: gather_rays > 0,
+            gathers: self.parameters.final_gather.get() > 0,
             random: PassRandom::of_pixels(self.seed, Stream::PilotCamera, PILOT_PASS),
         };
         let values = ends.learn(
@@ -161,9 +191,38 @@ impl PreparedMethod for TwoPasses {
             typical_radius_squared: 1.0,
             guide: guide.as_ref(),
         };
-        let mut nobody_looks = vec![PixelTally::default(); count];
-        let mut counters = self.trace([Stream::PilotPhoton, Stream::PilotCamera], &pass, &mut nobody_looks, cancel)?;
-        counters.rays += count as u64 * (1 + u64::from(gather_rays)) * RAYS_PER_LOOKUP;
+        let traced =
+            TracedPass { method: self, streams: [Stream::PilotPhoton, Stream::PilotCamera], pass: &pass, cancel };
+        let counters = self.cost(&traced)?;
         Some(PilotPass::without_fields(counters).and_guide(values))
+    }
+}
+
+impl TwoPasses {
+    /// What a pass costs, by one set of its maps and one look of every pixel; that pixels are localized is not foreseen.
+    fn cost(&self, traced: &TracedPass<'_>) -> Option<Counters> {
+        let count = self.scene.pixel_count();
+        let mut nobody_cares = vec![(); count];
+        let step = Step { set: 0, sample: 0, samples: 1 };
+        let (maps, photons) = self.trace_photons(traced.streams[0], traced.pass, step.set, traced.cancel)?;
+        let mut looks = traced.look_at(maps, step, &mut nobody_cares, |_, ()| true, |(), _, _| {})?;
+        let Parameters { final_gather, camera_paths, maps, .. } = &self.parameters;
+        let look_ups = u64::from(maps.get()) * u64::from(camera_paths.get()) * (1 + u64::from(final_gather.get()));
+        looks.rays += count as u64 * look_ups * RAYS_PER_LOOKUP;
+        let mut total = scaled(&photons, f64::from(self.choice.sets()));
+        total += scaled(&looks, self.choice.mean_sets_of_a_pixel());
+        Some(total)
+    }
+}
+
+/// Counts of so many times as much.
+fn scaled(counters: &Counters, factor: f64) -> Counters {
+    let times = |count: u64| (count as f64 * factor) as u64;
+    let Counters { rays, photons_emitted, photons_stored, non_finite } = *counters;
+    Counters {
+        rays: times(rays),
+        photons_emitted: times(photons_emitted),
+        photons_stored: times(photons_stored),
+        non_finite: times(non_finite),
     }
 }

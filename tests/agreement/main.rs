@@ -8,6 +8,7 @@ mod scene_text;
 mod batches;
 mod formats;
 mod guided_emission;
+mod many_maps;
 mod materials;
 mod methods;
 mod photon_map;

@@ -9,8 +9,17 @@ fn checked(method: &str, parameters: Map<String, Value>) -> Result<CheckedMethod
     check(&MethodChoice { name: method.to_owned(), parameters }, PIXELS)
 }
 
+/// A choice with one parameter, and with those that it has no meaning without.
 fn with(method: &str, name: &str, value: Value) -> Result<CheckedMethod, MethodError> {
-    checked(method, Map::from_iter([(name.to_owned(), value)]))
+    let companions = match (method, name) {
+        ("photon_map", "coarsest_samples" | "localization") => json!({"hierarchy": 4}),
+        ("photon_map", "finest_samples") => json!({"hierarchy": 4, "coarsest_samples": 256}),
+        ("photon_map", "show") => json!({"hierarchy": 4, "localization": 25}),
+        _ => json!({}),
+    };
+    let mut parameters = companions.as_object().expect("an object").clone();
+    parameters.insert(name.to_owned(), value);
+    checked(method, parameters)
 }
 
 fn every_parameter() -> impl Iterator<Item = (&'static str, &'static ParameterHelp)> {
@@ -27,7 +36,8 @@ fn defaults_are_what_help_says() {
     for (method, parameter) in every_parameter() {
         let shown = parameter.default.split(':').next().expect("split yields at least one part");
         let defaults = checked(method, Map::new()).expect("defaults are good");
-        let given = with(method, parameter.name, value(shown)).expect("the default is in range");
+        let alone = Map::from_iter([(parameter.name.to_owned(), value(shown))]);
+        let given = checked(method, alone).expect("the default is in range");
         if parameter.name == "alpha" {
             let alpha = defaults.choice.parameters["alpha"].as_f64().expect("a number");
             assert!((alpha - shown.parse::<f64>().expect("a number")).abs() < 5e-5, "{method}: {alpha}");

@@ -98,13 +98,14 @@ impl<P: OriginLookup> LocalPass<'_, P> {
         seen
     }
 
-    /// Radiance that the point's lobes reflect of the photons in `map`.
-    fn look_up(&mut self, look_up: &LookUp, map: &P, at: &GatherPoint, counters: &mut Counters) -> Rgb {
+    /// Radiance that the point's lobes reflect of the photons in `maps`: the mean of what each map estimates, weighted by its photons.
+    fn look_up(&mut self, look_up: &LookUp, maps: &[P], at: &GatherPoint, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, photons_per_pass, .. } = self.method;
-        if map.is_empty() {
-            return Rgb::ZERO;
-        }
         let most_segments = limits.most_photon_segments(at.segments);
-        look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found, counters) / *photons_per_pass as f32
+        let mut sum = Rgb::ZERO;
+        for map in maps.iter().filter(|map| !map.is_empty()) {
+            sum += look_up.estimate.reflected(scene, map, at, most_segments, &mut self.found, counters);
+        }
+        sum / *photons_per_pass as f32
     }
 }

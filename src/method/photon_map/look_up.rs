@@ -13,9 +13,9 @@ pub(super) struct LookUp {
 }
 
 impl Parameters {
-    /// A look-up of the photons of a pass, at most as wide as the parameters or the scene allow.
-    pub(super) fn look_up(&self, neighbors: u32, scene_radius: f32, photons_per_pass: u32) -> LookUp {
-        let automatic = largest_radius_squared(scene_radius, neighbors, photons_per_pass);
+    /// A look-up of the `photons` of a map, at most as wide as the parameters or the scene allow.
+    pub(super) fn look_up(&self, neighbors: u32, scene_radius: f32, photons: u32) -> LookUp {
+        let automatic = largest_radius_squared(scene_radius, neighbors, photons);
         let largest_radius_squared = match self.largest_radius.meters() {
             Auto::Value(radius) => radius * radius,
             Auto::Auto => automatic,
@@ -30,9 +30,9 @@ impl Parameters {
 /// The largest r² where the user named none, m²: half the area that `neighbors` photons would have on the scene's
 /// bounding sphere, at most 5 % of its radius. Surfaces are smaller than that sphere, so at mean brightness about k are
 /// found. Larger discs would find more in the dark, but blur it, and bring more light over edges than they take.
-fn largest_radius_squared(scene_radius: f32, neighbors: u32, photons_per_pass: u32) -> f32 {
+fn largest_radius_squared(scene_radius: f32, neighbors: u32, photons: u32) -> f32 {
     // Two or three photons are stored per emitted one in a closed room.
-    let bounds = RadiusBounds::new(scene_radius, 2 * photons_per_pass as usize);
+    let bounds = RadiusBounds::new(scene_radius, 2 * photons as usize);
     let mean = bounds.guess * (neighbors as f32 / FIRST_GATHER_PHOTONS);
     (0.5 * mean).clamp(f32::MIN_POSITIVE, RadiusBounds::largest_squared(scene_radius))
 }

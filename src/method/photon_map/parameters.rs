@@ -1,5 +1,6 @@
 //! Parameters of `photon_map`.
 
+use crate::method::FindsNothing;
 use crate::method::bounded_numbers::bounded;
 use crate::method::parameter_values::{Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth};
 use crate::method::parameters::{ParameterValue, parameter, parameters};
@@ -10,6 +11,36 @@ use crate::transport::occlusion::Occlusion;
 bounded! {
     /// k, photons in a look-up.
     pub(super) struct Neighbors(u32), [2 to 65536]
+}
+
+bounded! {
+    /// Maps that every estimate is the mean of.
+    pub(super) struct MapCount(u32), [1 to 64]
+}
+
+bounded! {
+    /// Camera paths of a pixel and pass.
+    pub(super) struct CameraPaths(u32), [1 to 64]
+}
+
+bounded! {
+    /// S: the maps that pixels look at in turn are S².
+    pub(super) struct Skipping(u32), [1 to 16]
+}
+
+bounded! {
+    /// Levels of a scanline's hat basis under its base.
+    pub(super) struct Levels(u32), [0 to 16]
+}
+
+bounded! {
+    /// Samples of a pixel on a level.
+    pub(super) struct LevelSamples(u32), [1 to 256]
+}
+
+bounded! {
+    /// The contrast from which pixels are localized, %; 0 localizes none.
+    pub(super) struct Contrast(u32), [0 to 1000]
 }
 
 bounded! {
@@ -30,6 +61,23 @@ pub(super) enum Structure {
 impl ParameterValue for Structure {
     const RANGE: &'static str = "grid, kdtree";
 }
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ShownPart {
+    /// Radiance.
+    Radiance,
+    /// White where a pixel is localized, black where it is not.
+    Localized,
+}
+
+impl ParameterValue for ShownPart {
+    const RANGE: &'static str = "radiance, localized";
+}
+
+const DEFAULT_COARSEST: LevelSamples = LevelSamples::new(38).expect("in range");
+const DEFAULT_FINEST: LevelSamples = LevelSamples::new(1).expect("in range");
 
 parameters! {
     /// Parameters of `photon_map`.
@@ -61,8 +109,94 @@ parameters! {
         ),
         structure: Structure =
             parameter("what photons are looked up in: cells or a balanced tree", Structure::Grid, "grid"),
+        maps: MapCount = parameter(
+            "maps that a pass's photons are divided among; every estimate is the mean of all",
+            MapCount::new(1).expect("in range"),
+            "1",
+        ),
+        camera_paths: CameraPaths = parameter(
+            "camera paths per pixel and pass, which all look at the same maps",
+            CameraPaths::new(1).expect("in range"),
+            "1",
+        ),
+        skipping: Skipping = parameter(
+            "S: a pass traces S² times as many maps, one after the other, and each pixel looks at one of them at random",
+            Skipping::new(1).expect("in range"),
+            "1",
+        ),
+        hierarchy: Levels = parameter(
+            "levels of each scanline's hat basis, whose finer levels are sampled with fewer maps; 0: every pixel is sampled alike",
+            Levels::new(0).expect("in range"),
+            "0",
+        ),
+        coarsest_samples: LevelSamples = parameter(
+            "with hierarchy: samples on the coarsest level, each with a map of its own",
+            DEFAULT_COARSEST,
+            "38",
+        ),
+        finest_samples: LevelSamples =
+            parameter("with hierarchy: samples on the finest level, at most coarsest_samples", DEFAULT_FINEST, "1"),
+        localization: Contrast = parameter(
+            "with hierarchy: pixels that differ by so much from what is interpolated are sampled with all maps, %; 0: none",
+            Contrast::new(0).expect("in range"),
+            "0",
+        ),
+        show: ShownPart = parameter(
+            "radiance; or localized: the share of passes in which a pixel is sampled with all maps",
+            ShownPart::Radiance,
+            "radiance",
+        ),
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,
         passes: Passes = PASSES,
     }
+}
+
+impl Parameters {
+    /// How parameters that say which pixels look at which maps contradict each other, if they do.
+    pub(super) fn contradiction(&self) -> Option<FindsNothing> {
+        let maps = self.maps.get();
+        match self.photons_per_pass {
+            Auto::Value(photons) if photons.get() < maps => refused(
+                format!("\"maps\" is {maps}, and \"photons_per_pass\" has {} for all of them", photons.get()),
+                "give each map a photon at least",
+            ),
+            _ if self.hierarchy.get() == 0 => self.contradiction_without_hierarchy(),
+            _ => self.contradiction_with_hierarchy(),
+        }
+    }
+
+    /// What only a hierarchy has must not be given without one.
+    fn contradiction_without_hierarchy(&self) -> Option<FindsNothing> {
+        let given = [
+            ("coarsest_samples", self.coarsest_samples != DEFAULT_COARSEST),
+            ("finest_samples", self.finest_samples != DEFAULT_FINEST),
+            ("localization", self.localization.get() > 0),
+            ("show", self.show == ShownPart::Localized),
+        ];
+        let (name, _) = given.into_iter().find(|(_, is_given)| *is_given)?;
+        let remedy = "give \"hierarchy\" a number of levels, for example 8";
+        refused(format!("\"{name}\" says how levels are sampled, and \"hierarchy\" is 0"), remedy)
+    }
+
+    fn contradiction_with_hierarchy(&self) -> Option<FindsNothing> {
+        let (coarsest, finest) = (self.coarsest_samples.get(), self.finest_samples.get());
+        if self.skipping.get() > 1 {
+            let problem = "\"hierarchy\" and \"skipping\" both say which maps a pixel looks at";
+            return refused(problem.to_owned(), "leave one of them out");
+        }
+        if finest > coarsest {
+            let problem = format!("\"finest_samples\" is {finest}, and \"coarsest_samples\" is {coarsest}");
+            return refused(problem, "finer levels have at most as many samples as coarser ones");
+        }
+        if self.show == ShownPart::Localized && self.localization.get() == 0 {
+            let problem = "\"show\" is \"localized\", and \"localization\" is 0, so no pixel is";
+            return refused(problem.to_owned(), "give \"localization\" a contrast, for example 25");
+        }
+        None
+    }
+}
+
+fn refused(problem: String, remedy: &str) -> Option<FindsNothing> {
+    Some(FindsNothing { problem, remedy: remedy.to_owned() })
 }

@@ -1,4 +1,7 @@
 //! The second pass of `photon_map`: which pixels look at which maps.
+//!
+//! A pass goes in steps. Each traces a set of maps, has the pixels whose turn it is look at it, and drops it, so no two sets are ever held at
+//! once.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -6,63 +9,222 @@ use rayon::prelude::*;
 
 use super::TwoPasses;
 use super::first_pass::Maps;
+use super::hierarchy::{Hierarchy, Node};
 use super::local_pass::LocalPass;
-use super::parameters::Structure;
+use super::parameters::{ShownPart, Structure};
 use crate::estimate::PixelTally;
-use crate::math::random::{PassRandom, Stream};
+use crate::math::Rgb;
+use crate::math::random::{PassRandom, PathRandom, Permutation, Stream};
 use crate::method::Pass;
 use crate::method::photon_pass::add_to_tally;
 use crate::transport::Counters;
-use crate::transport::photon_map::{Gathered, KdTree, Nearest, OriginLookup};
+use crate::transport::photon_map::{Gathered, KdTree, Nearest, OriginLookup, PhotonMap};
 
-impl TwoPasses {
-    /// Both passes, with random numbers of `streams` for photons and camera.
-    pub(super) fn trace(
-        &self,
-        streams: [Stream; 2],
-        pass: &Pass<'_>,
-        pixels: &mut [PixelTally],
-        cancel: &AtomicBool,
-    ) -> Option<Counters> {
-        let (maps, mut total) = self.trace_photons(streams[0], pass, cancel)?;
-        total += match self.parameters.structure {
-            Structure::Grid => self.look_at_pixels(&maps, streams[1], pass, pixels, cancel),
-            Structure::KdTree => {
-                let maps = Maps { global: KdTree::from(maps.global), caustic: KdTree::from(maps.caustic) };
-                self.look_at_pixels(&maps, streams[1], pass, pixels, cancel)
-            }
-        };
-        (!cancel.load(Ordering::Relaxed)).then_some(total)
+/// Which pixels look at which sets of maps.
+pub(super) enum MapChoice {
+    /// All pixels at the only one.
+    Only,
+    /// Each at one of so many [Wald 1999, section 4.4: skipping].
+    Skipping(u32),
+    /// Fewer on finer levels of a scanline [Wald 1999, section 4.5].
+    Hierarchy(Hierarchy),
+}
+
+impl MapChoice {
+    /// Sets of maps in a pass.
+    pub(super) fn sets(&self) -> u32 {
+        match self {
+            Self::Only => 1,
+            Self::Skipping(sets) => *sets,
+            Self::Hierarchy(hierarchy) => hierarchy.maps(),
+        }
     }
 
-    /// Second pass, with random numbers of `stream`.
-    fn look_at_pixels<P: OriginLookup>(
+    /// How many a pixel looks at on average, where none is localized.
+    pub(super) fn mean_sets_of_a_pixel(&self) -> f64 {
+        match self {
+            Self::Only | Self::Skipping(_) => 1.0,
+            Self::Hierarchy(hierarchy) => hierarchy.mean_samples(),
+        }
+    }
+}
+
+/// A pass that is being traced.
+pub(super) struct TracedPass<'a> {
+    pub(super) method: &'a TwoPasses,
+    /// Whose numbers photons and camera paths have.
+    pub(super) streams: [Stream; 2],
+    pub(super) pass: &'a Pass<'a>,
+    pub(super) cancel: &'a AtomicBool,
+}
+
+/// A set of maps, and how often a pixel that looks at it has looked at others before.
+#[derive(Clone, Copy)]
+pub(super) struct Step {
+    /// Index of the set in the pass.
+    pub(super) set: u32,
+    /// Index of the pixel's sample in the pass.
+    pub(super) sample: u32,
+    /// Samples that a pixel may have in a pass.
+    pub(super) samples: u32,
+}
+
+impl TracedPass<'_> {
+    /// Traces the pass.
+    pub(super) fn trace(&self, pixels: &mut [PixelTally]) -> Option<Counters> {
+        match &self.method.choice {
+            MapChoice::Only => {
+                let step = Step { set: 0, sample: 0, samples: 1 };
+                self.step(step, pixels, |_, _| true, self.adds_to_tallies())
+            }
+            MapChoice::Skipping(sets) => self.skip(*sets, pixels),
+            MapChoice::Hierarchy(hierarchy) => self.trace_hierarchy(hierarchy, pixels),
+        }
+    }
+
+    fn adds_to_tallies(&self) -> impl Fn(&mut PixelTally, Rgb, &mut Counters) + Sync {
+        |tally, radiance, counters| add_to_tally(tally, self.pass, radiance, &Gathered::default(), counters)
+    }
+
+    /// Every set is looked at by as many pixels of the picture, which are strewn over it at random, anew in every pass.
+    fn skip(&self, sets: u32, pixels: &mut [PixelTally]) -> Option<Counters> {
+        let TwoPasses { scene, seed, .. } = self.method;
+        let random = PathRandom::new(*seed, Stream::MapChoice, self.pass.index, 0);
+        let order = Permutation::new(&random, scene.pixel_count() as u32);
+        let first = self.pass.region.row_start * scene.width;
+        let chosen: Vec<u32> = (first..).zip(&*pixels).map(|(pixel, _)| order.place(pixel) % sets).collect();
+        let mut total = Counters::default();
+        for set in (0..sets).filter(|set| chosen.contains(set)) {
+            let step = Step { set, sample: 0, samples: 1 };
+            let looks = |pixel: u32, _: &PixelTally| chosen[(pixel - first) as usize] == set;
+            total += self.step(step, pixels, looks, self.adds_to_tallies())?;
+        }
+        Some(total)
+    }
+
+    /// Each map adds to the details of the levels that look at it. Those pixels that are localized then look at all others, which are traced
+    /// a second time: 40 bytes are kept of each pixel, and of no map.
+    fn trace_hierarchy(&self, hierarchy: &Hierarchy, pixels: &mut [PixelTally]) -> Option<Counters> {
+        let TwoPasses { scene, parameters, .. } = self.method;
+        let width = scene.width as usize;
+        let maps = hierarchy.maps();
+        let step = |map: u32| Step { set: map, sample: map, samples: maps };
+        let samples = |pixel: u32| hierarchy.samples(pixel % scene.width);
+        let mut nodes = vec![Node::default(); pixels.len()];
+        let mut total = Counters::default();
+        for map in 0..maps {
+            let looks = |pixel: u32, _: &Node| samples(pixel) > map;
+            total += self.step(step(map), &mut nodes, looks, |node, radiance, counters| {
+                node.seen = finite_or_black(radiance, counters);
+            })?;
+            nodes.par_chunks_mut(width).for_each(|row| hierarchy.add(row, map));
+        }
+        let contrast = parameters.localization.get() as f32 / 100.0;
+        if contrast > 0.0 {
+            nodes.par_chunks_mut(width).for_each(|row| hierarchy.localize(row, contrast));
+        }
+        if parameters.show == ShownPart::Localized {
+            nodes.iter_mut().for_each(|node| node.seen = if node.is_localized { Rgb::ONE } else { Rgb::ZERO });
+        } else {
+            total += self.look_at_all_maps(hierarchy, &mut nodes)?;
+            nodes.par_chunks_mut(width).for_each(|row| hierarchy.reconstruct(row));
+        }
+        let add = self.adds_to_tallies();
+        pixels.iter_mut().zip(&nodes).for_each(|(tally, node)| add(tally, node.seen, &mut total));
+        Some(total)
+    }
+
+    /// Localized nodes look at the maps that they have not looked at.
+    fn look_at_all_maps(&self, hierarchy: &Hierarchy, nodes: &mut [Node]) -> Option<Counters> {
+        let width = self.method.scene.width;
+        let samples = |pixel: u32| hierarchy.samples(pixel % width);
+        let localized = (0..).zip(&*nodes).filter(|(_, node)| node.is_localized);
+        let first = localized.map(|(pixel, _)| samples(pixel)).min().unwrap_or(hierarchy.maps());
+        let mut total = Counters::default();
+        for map in first..hierarchy.maps() {
+            let step = Step { set: map, sample: map, samples: hierarchy.maps() };
+            let looks = |pixel: u32, node: &Node| node.is_localized && samples(pixel) <= map;
+            total += self.step(step, nodes, looks, |node, radiance, counters| {
+                node.sum += finite_or_black(radiance, counters);
+            })?;
+        }
+        Some(total)
+    }
+
+    /// Traces a set of maps and has those pixels of the region look at it that `looks` names; `keep` takes what each sees.
+    fn step<T: Send>(
+        &self,
+        step: Step,
+        pixels: &mut [T],
+        looks: impl Fn(u32, &T) -> bool + Sync,
+        keep: impl Fn(&mut T, Rgb, &mut Counters) + Sync,
+    ) -> Option<Counters> {
+        let (maps, mut total) = self.method.trace_photons(self.streams[0], self.pass, step.set, self.cancel)?;
+        total += self.look_at(maps, step, pixels, looks, keep)?;
+        Some(total)
+    }
+
+    /// Has pixels look at maps.
+    pub(super) fn look_at<T: Send>(
+        &self,
+        maps: Maps<PhotonMap<f32>>,
+        step: Step,
+        pixels: &mut [T],
+        looks: impl Fn(u32, &T) -> bool + Sync,
+        keep: impl Fn(&mut T, Rgb, &mut Counters) + Sync,
+    ) -> Option<Counters> {
+        let counters = match self.method.parameters.structure {
+            Structure::Grid => self.look_in(&maps, step, pixels, looks, keep),
+            Structure::KdTree => {
+                let trees = |maps: Vec<PhotonMap<f32>>| maps.into_iter().map(KdTree::from).collect();
+                let maps = Maps { global: trees(maps.global), caustic: trees(maps.caustic) };
+                self.look_in(&maps, step, pixels, looks, keep)
+            }
+        };
+        (!self.cancel.load(Ordering::Relaxed)).then_some(counters)
+    }
+
+    fn look_in<P: OriginLookup, T: Send>(
         &self,
         maps: &Maps<P>,
-        stream: Stream,
-        pass: &Pass<'_>,
-        pixels: &mut [PixelTally],
-        cancel: &AtomicBool,
+        step: Step,
+        pixels: &mut [T],
+        looks: impl Fn(u32, &T) -> bool + Sync,
+        keep: impl Fn(&mut T, Rgb, &mut Counters) + Sync,
     ) -> Counters {
-        let width = self.scene.width as usize;
-        let random = PassRandom::of_pixels(self.seed, stream, pass.index);
-        let trace_row = |(row, tallies): (usize, &mut [PixelTally])| {
-            let mut gathering = LocalPass { method: self, maps, found: Nearest::default() };
+        let TracedPass { method, pass, cancel, .. } = *self;
+        let width = method.scene.width;
+        let paths = method.parameters.camera_paths.get();
+        let random = PassRandom::of_pixels(method.seed, self.streams[1], pass.index);
+        let trace_row = |(row, pixels): (usize, &mut [T])| {
+            let mut gathering = LocalPass { method, maps, found: Nearest::default() };
             let mut counters = Counters::default();
             if cancel.load(Ordering::Relaxed) {
                 return counters;
             }
             let y = pass.region.row_start + row as u32;
-            for (x, tally) in (0..).zip(tallies) {
-                let random = random.path(y * self.scene.width + x);
-                let radiance = gathering.pixel([x, y], &random, &mut counters);
-                add_to_tally(tally, pass, radiance, &Gathered::default(), &mut counters);
+            for (x, kept) in (0..).zip(pixels).filter(|(x, kept)| looks(y * width + x, kept)) {
+                let mut sum = Rgb::ZERO;
+                for path in 0..paths {
+                    let random = random.part(step.sample * paths + path, step.samples * paths);
+                    sum += gathering.pixel([x, y], &random.path(y * width + x), &mut counters);
+                }
+                keep(kept, sum / paths as f32, &mut counters);
             }
             counters
         };
-        let counters: Vec<Counters> = pixels.par_chunks_mut(width).enumerate().map(trace_row).collect();
+        let counters: Vec<Counters> = pixels.par_chunks_mut(width as usize).enumerate().map(trace_row).collect();
         let mut total = Counters::default();
         counters.into_iter().for_each(|counters| total += counters);
         total
     }
+}
+
+/// A sample that is not finite counts as black; it is dropped and counted.
+fn finite_or_black(radiance: Rgb, counters: &mut Counters) -> Rgb {
+    if radiance.is_finite() {
+        return radiance;
+    }
+    counters.non_finite += 1;
+    Rgb::ZERO
 }
