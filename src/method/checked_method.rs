@@ -53,7 +53,7 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
         None
     }
 
-    /// Why no path at all counts, or how parameters contradict each other, if so.
+    /// Why no path at all counts, or how parameters contradict each other or are left without effect, if so.
     fn finds_nothing(&self) -> Option<FindsNothing> {
         None
     }
@@ -62,7 +62,7 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod>;
 }
 
-/// Parameters that together leave no path that counts, or contradict each other.
+/// Parameters that together leave no path that counts, contradict each other, or are left without effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FindsNothing {
     /// What is wrong with them.

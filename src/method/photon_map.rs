@@ -4,9 +4,9 @@
 //! from the BSDF look up the radiance that the global map estimates where they end. Passes are averaged.
 //!
 //! References: [J96] Jensen 1996, "Global illumination using photon maps"; [Wa99] Wald 1999, "Photorealistic rendering
-//! using the photon map", sections 2.5 (estimate, caustic map), 4.3 (local pass), 4.4 (multiple maps), 4.5 (hierarchy);
-//! [He98] Heinrich 1998, "A multilevel version of the method of dependent tests"; [Vo11] Vorba 2011, "Bidirectional photon
-//! mapping", section 1.6 with eq. 1.12.
+//! using the photon map", sections 2.5 (estimate, caustic map), 4.1 (plausibility), 4.3 (local pass), 4.4 (multiple maps), 4.5
+//! (hierarchy), 4.8 (choice of k); [He98] Heinrich 1998, "A multilevel version of the method of dependent tests"; [Vo11] Vorba
+//! 2011, "Bidirectional photon mapping", section 1.6 with eq. 1.12.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|
@@ -53,7 +53,7 @@ use std::sync::atomic::AtomicBool;
 
 use hierarchy::Hierarchy;
 use look_up::LookUp;
-use parameters::{Neighbors, Parameters};
+use parameters::Parameters;
 use second_pass::{MapChoice, Step, TracedPass};
 
 use super::gather_ends::GatherEnds;
@@ -116,19 +116,18 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.contradiction()
+        self.contradiction().or_else(|| self.futile_look_ups())
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let scene_radius = scene.geometry.bounding_sphere().1;
         let photons = photons_per_pass / self.maps.get();
-        let look_up = |neighbors: Neighbors| self.look_up(neighbors.get(), scene_radius, photons);
         Box::new(TwoPasses {
             seed,
             limits: limits(self.max_depth, self.rr_depth),
             photons_per_pass,
-            global: look_up(self.neighbors),
-            caustic: look_up(self.caustic_neighbors),
+            global: self.look_up(self.neighbors.get(), scene_radius, photons),
+            caustic: self.caustic_look_up(scene_radius, photons),
             choice: self.map_choice(scene.width),
             parameters: self.clone(),
             scene,

@@ -4,7 +4,8 @@
 //! L(x, ωo) = 1/(π r²)·Σ K(d/r)·f_r(ωp → ωo)·α_p        over the photons nearer than r
 //! ```
 //!
-//! r is the distance of the k-th photon, at most the largest radius; [`Nearest`] says why the k-th itself does not count.
+//! r is the distance of the k-th photon, at most the largest radius; [`Nearest`] says why the k-th itself does not count. Photons may have to
+//! pass tests, and k may be chosen by how they lie.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -14,8 +15,10 @@ use crate::scene::Scene;
 use super::Counters;
 use super::camera_walk::GatherPoint;
 use super::kernel::Kernel;
+use super::neighbor_choice::NeighborChoice;
 use super::occlusion::{Occlusion, Sight};
 use super::photon_map::{GatherQuery, Nearest, OriginLookup};
+use super::plausibility::Plausibility;
 use super::receiver::{Counting, Receiver};
 
 /// How radiance is estimated from a photon map.
@@ -29,6 +32,12 @@ pub struct DensityEstimate {
     pub kernel: Kernel,
     /// Which photons count only where their origin is seen.
     pub occlusion: Occlusion,
+    /// Which tests photons have to pass.
+    pub plausibility: Plausibility,
+    /// Where fewer photons than these lie within the largest radius, none counts; at most k.
+    pub fewest_photons: usize,
+    /// By what fewer photons than k are chosen.
+    pub choice: NeighborChoice,
 }
 
 impl DensityEstimate {
@@ -47,7 +56,12 @@ impl DensityEstimate {
         let radius_squared = self.largest_radius_squared;
         let query = receiver.query(Counting { radius_squared, most_segments, caustics_only: false });
         map.nearest(&query, self.neighbors, found);
-        self.leave_out_unseen(scene, map, point, &query, found, counters);
+        self.leave_out(scene, map, point, &query, found, counters);
+        let is_full = found.radius_squared() < query.radius_squared;
+        if !is_full && found.photons().len() < self.fewest_photons {
+            return Rgb::ZERO;
+        }
+        self.choice.narrow(map, &query, found);
         let inverse_radius_squared = 1.0 / found.radius_squared();
         let mut sum = Rgb::ZERO;
         for (distance_squared, index) in found.photons() {
@@ -60,7 +74,7 @@ impl DensityEstimate {
     }
 
     /// Finds the nearest photons that count, where some that were found do not.
-    fn leave_out_unseen(
+    fn leave_out(
         &self,
         scene: &Scene,
         map: &impl OriginLookup,
@@ -69,14 +83,23 @@ impl DensityEstimate {
         found: &mut Nearest,
         counters: &mut Counters,
     ) {
-        let near = GatherQuery { radius_squared: found.radius_squared(), ..*query };
-        let Some(sight) = Sight::new(scene, &point.hit, &near, self.occlusion) else { return };
-        let mut counts =
-            |sight: &Sight<'_>, index: usize| sight.accepts(&map.photon(index), map.origin_distance(index), counters);
+        let sight_within = |radius_squared: f32| {
+            Sight::new(scene, &point.hit, &GatherQuery { radius_squared, ..*query }, self.occlusion)
+        };
+        let test = self.plausibility.at(&point.hit, query);
+        let sight = sight_within(found.radius_squared());
+        if test.is_none() && sight.is_none() {
+            return;
+        }
+        let mut counts = |sight: &Option<Sight<'_>>, index: usize| {
+            let photon = map.photon(index);
+            test.is_none_or(|test| test.accepts(&photon))
+                && sight.as_ref().is_none_or(|sight| sight.accepts(&photon, map.origin_distance(index), counters))
+        };
         if found.photons().all(|(_, index)| counts(&sight, index)) {
             return;
         }
-        let Some(sight) = Sight::new(scene, &point.hit, query, self.occlusion) else { return };
+        let sight = sight_within(query.radius_squared);
         found.begin(query.radius_squared);
         map.visit_disc(query, |index, _| {
             let distance_squared = query.distance_squared(&map.photon(index));

@@ -11,6 +11,7 @@ mod guided_emission;
 mod many_maps;
 mod materials;
 mod methods;
+mod photon_look_ups;
 mod photon_map;
 mod references;
 mod visible_lights;

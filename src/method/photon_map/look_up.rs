@@ -1,9 +1,12 @@
 //! How a map is looked at.
 
 use super::parameters::Parameters;
+use crate::method::FindsNothing;
 use crate::method::parameter_values::Auto;
 use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
+use crate::transport::neighbor_choice::NeighborChoice;
+use crate::transport::plausibility::Plausibility;
 
 /// How a map is looked at.
 pub(super) struct LookUp {
@@ -20,10 +23,52 @@ impl Parameters {
             Auto::Value(radius) => radius * radius,
             Auto::Auto => automatic,
         };
-        let Self { kernel, occlusion, .. } = *self;
-        let first_radius = largest_radius_squared.min(automatic).sqrt();
-        let neighbors = neighbors as usize;
-        LookUp { estimate: DensityEstimate { neighbors, largest_radius_squared, kernel, occlusion }, first_radius }
+        let Self { kernel, occlusion, neighbor_choice: choice, .. } = *self;
+        let estimate = DensityEstimate {
+            neighbors: neighbors as usize,
+            largest_radius_squared,
+            kernel,
+            occlusion,
+            plausibility: Plausibility {
+                least_arrival_cosine: self.arrival_angle.least_cosine(),
+                culls_behind: self.culling_plane.is_on(),
+            },
+            fewest_photons: 0,
+            choice,
+        };
+        LookUp { estimate, first_radius: largest_radius_squared.min(automatic).sqrt() }
+    }
+
+    /// The same, black where it finds too few photons: a look-up of caustics.
+    pub(super) fn caustic_look_up(&self, scene_radius: f32, photons_per_pass: u32) -> LookUp {
+        let mut look_up = self.look_up(self.caustic_neighbors.get(), scene_radius, photons_per_pass);
+        look_up.estimate.fewest_photons = self.fewest_caustic_photons().ceil() as usize;
+        look_up
+    }
+
+    fn fewest_caustic_photons(&self) -> f64 {
+        self.fewest_photons.get() * f64::from(self.caustic_neighbors.get())
+    }
+
+    /// A parameter of look-ups that others leave without any effect.
+    pub(super) fn futile_look_ups(&self) -> Option<FindsNothing> {
+        let fewest = self.fewest_caustic_photons();
+        if fewest > 0.0 && fewest <= 1.0 {
+            let problem = format!(
+                "\"fewest_photons\" is {} of \"caustic_neighbors\" {}, and no look-up finds less than one photon and is bright",
+                self.fewest_photons.get(),
+                self.caustic_neighbors.get()
+            );
+            let remedy = format!("give more than {}, or 0", 1.0 / f64::from(self.caustic_neighbors.get()));
+            return Some(FindsNothing { problem, remedy });
+        }
+        let most = self.neighbors.get().max(self.caustic_neighbors.get());
+        (self.neighbor_choice != NeighborChoice::Fixed && most == 2).then(|| FindsNothing {
+            problem:
+                "\"neighbor_choice\" has nothing to choose from where \"neighbors\" and \"caustic_neighbors\" are 2"
+                    .to_owned(),
+            remedy: "give more neighbors, or \"fixed\"".to_owned(),
+        })
     }
 }
 

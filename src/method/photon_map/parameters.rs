@@ -2,10 +2,13 @@
 
 use crate::method::FindsNothing;
 use crate::method::bounded_numbers::bounded;
-use crate::method::parameter_values::{Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth};
+use crate::method::parameter_values::{
+    Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, Switch,
+};
 use crate::method::parameters::{ParameterValue, parameter, parameters};
 use crate::method::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
 use crate::transport::kernel::Kernel;
+use crate::transport::neighbor_choice::NeighborChoice;
 use crate::transport::occlusion::Occlusion;
 
 bounded! {
@@ -48,6 +51,23 @@ bounded! {
     pub(super) struct GatherRays(u32), [0 to 1024]
 }
 
+bounded! {
+    /// The largest angle between a photon's direction and the normal, degrees.
+    pub(super) struct ArrivalAngle(u32), [1 to 180]
+}
+
+impl ArrivalAngle {
+    /// Its cosine; `None` where every direction is allowed.
+    pub(super) fn least_cosine(self) -> Option<f32> {
+        (self.get() < 180).then(|| (self.get() as f32).to_radians().cos())
+    }
+}
+
+bounded! {
+    /// A share of k photons.
+    pub(super) struct ShareOfNeighbors(f64), [0.0 to 1.0]
+}
+
 /// The structure that photons are looked up in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -79,6 +99,10 @@ impl ParameterValue for ShownPart {
 const DEFAULT_COARSEST: LevelSamples = LevelSamples::new(38).expect("in range");
 const DEFAULT_FINEST: LevelSamples = LevelSamples::new(1).expect("in range");
 
+impl ParameterValue for NeighborChoice {
+    const RANGE: &'static str = "fixed, centre_of_gravity, mean_direction";
+}
+
 parameters! {
     /// Parameters of `photon_map`.
     pub(super) struct Parameters {
@@ -102,6 +126,24 @@ parameters! {
         light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
         occlusion: Occlusion = OCCLUSION,
+        neighbor_choice: NeighborChoice = parameter(
+            "by what a look-up takes fewer photons where they lie on one side: fixed, nothing; their centre of gravity; their mean \
+             direction, which has no bias where light is even",
+            NeighborChoice::Fixed,
+            "fixed",
+        ),
+        arrival_angle: ArrivalAngle = parameter(
+            "photons do not count that came from so many degrees or more off the normal",
+            ArrivalAngle::new(180).expect("in range"),
+            "180: all count",
+        ),
+        culling_plane: Switch =
+            parameter("whether photons behind the plane through a point do not count there", Switch::Off, "off"),
+        fewest_photons: ShareOfNeighbors = parameter(
+            "look-ups of the caustic map that find less than this share of their photons within the largest radius are black",
+            ShareOfNeighbors::new(0.0).expect("in range"),
+            "0",
+        ),
         final_gather: GatherRays = parameter(
             "gather rays per camera path; 0 looks at the global map directly",
             GatherRays::new(4).expect("in range"),
