@@ -29,6 +29,8 @@ pub enum Stream {
     Visibility = 5,
     /// Which pixels look at which of a pass's photon maps.
     MapChoice = 6,
+    /// Camera paths whose ends tell where photons are looked for; the path index is the pixel's.
+    Importance = 9,
 }
 
 /// As many parts the numbers of a pass have room for.
@@ -168,6 +170,16 @@ pub mod dimension {
     /// Light sampling at path vertex `vertex`: two for the position, light choice.
     pub const fn light(vertex: u32) -> u32 {
         1 + 2 * vertex
+    }
+
+    /// Whether the photon at vertex `vertex` of a light path is stored (1).
+    pub const fn storing(vertex: u32) -> u32 {
+        1 << 30 | vertex
+    }
+
+    /// How mutation `mutation` of a photon path changes its emission (4).
+    pub const fn mutation(mutation: u32) -> u32 {
+        1 << 31 | mutation
     }
 
     /// As many flights through media a joint may have.

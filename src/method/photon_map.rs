@@ -36,6 +36,8 @@
 //! means over a set. There is one set; with `skipping: S` there are S², and each pixel looks at one of them; with
 //! `hierarchy`, pixels on finer levels of a scanline look at fewer of them. A sample of a pixel is the mean of `camera_paths`
 //! paths, which look at the same set.
+//! `caustic_splitting` brings more photons to the caustic map alone, see [`caustic_splitting`](crate::transport::caustic_splitting);
+//! `storage: importance` keeps photons of the global map where gather rays end (`storage.rs`).
 //!
 //! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
@@ -47,6 +49,8 @@ mod local_pass;
 mod look_up;
 mod parameters;
 mod second_pass;
+mod splitting;
+mod storage;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -68,6 +72,7 @@ use crate::estimate::{PixelTally, Region};
 use crate::math::random::{PassRandom, Stream};
 use crate::scene::Scene;
 use crate::scene::light::emission_guide::EmissionGuide;
+use crate::transport::caustic_splitting::CausticSplitting;
 use crate::transport::{Counters, Limits};
 
 /// What a look-up costs, in rays, for the pilot's count.
@@ -116,19 +121,22 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.contradiction().or_else(|| self.futile_look_ups())
+        self.contradiction().or_else(|| self.futile_look_ups()).or_else(|| self.contradiction_of_splitting())
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
         let scene_radius = scene.geometry.bounding_sphere().1;
         let photons = photons_per_pass / self.maps.get();
+        let splitting = CausticSplitting::new(self.caustic_splitting.get(), self.splitting, &scene);
+        let caustic_photons = photons.saturating_mul(splitting.factor());
         Box::new(TwoPasses {
             seed,
             limits: limits(self.max_depth, self.rr_depth),
             photons_per_pass,
             global: self.look_up(self.neighbors.get(), scene_radius, photons),
-            caustic: self.caustic_look_up(scene_radius, photons),
+            caustic: self.caustic_look_up(scene_radius, caustic_photons),
             choice: self.map_choice(scene.width),
+            splitting,
             parameters: self.clone(),
             scene,
         })
@@ -144,6 +152,7 @@ struct TwoPasses {
     global: LookUp,
     caustic: LookUp,
     choice: MapChoice,
+    splitting: CausticSplitting,
     parameters: Parameters,
 }
 

@@ -25,6 +25,12 @@ pub trait LightVertices {
 
     /// It is scattered there, and goes on.
     fn leave(&mut self, hit: &Interaction, view: &View, scattering: &Scattering);
+
+    /// Whether what is still to come of the path matters; else it ends.
+    #[inline(always)]
+    fn goes_on(&self) -> bool {
+        true
+    }
 }
 
 /// Where the path with the numbers `random` starts.
@@ -47,17 +53,34 @@ pub fn trace_light_path(
 ) {
     counters.photons_emitted += 1;
     let start = emission_point(scene, guide, random);
-    let Some(emitted) = scene.lights.emit_at(&scene.geometry, &start) else { return };
+    if let Some(emitted) = scene.lights.emit_at(&scene.geometry, &start) {
+        follow_photon(scene, &emitted, limits, random, counters, vertices);
+    }
+}
+
+/// Follows the photon `emitted` with the numbers `random` to its end.
+#[inline]
+pub fn follow_photon(
+    scene: &Scene,
+    emitted: &EmittedPhoton,
+    limits: &Limits,
+    random: &PathRandom,
+    counters: &mut Counters,
+    vertices: &mut impl LightVertices,
+) {
     let peak = emitted.flux.max_element();
     if !(peak > 0.0 && peak.is_finite()) {
         counters.non_finite += u64::from(!peak.is_finite());
         return;
     }
-    let mut walk = Walk::from_light(scene, &emitted, random);
-    while limits.allows(walk.segments + 2) {
+    let mut walk = Walk::from_light(scene, emitted, random);
+    while limits.allows(walk.segments + 2) && vertices.goes_on() {
         let step = walk.step(scene, random, counters);
         let Some(hit) = step.surface() else { return };
-        vertices.arrive(&walk, hit, &emitted, random, counters);
+        vertices.arrive(&walk, hit, emitted, random, counters);
+        if !vertices.goes_on() {
+            return;
+        }
         let u = random.block(dimension::scattering(walk.segments));
         let view = shading::view(hit, TransportMode::Flux);
         let Some(scattering) = shading::scatter(hit, scene.material(hit.shape), &view, [u[0], u[1], u[2]]) else {

@@ -4,12 +4,14 @@
 
 pub mod bidirectional;
 pub mod camera_walk;
+pub mod caustic_splitting;
 pub mod counters;
 pub mod density_estimate;
 pub mod direct_light;
 pub mod emission_learning;
 pub mod first_radius;
 pub mod hit_point;
+pub mod importance_map;
 pub mod kernel;
 pub mod light_path;
 pub mod light_trials;
@@ -20,8 +22,10 @@ pub mod occlusion;
 pub mod photon_map;
 pub mod photon_tracing;
 pub mod plausibility;
+pub mod projection;
 pub mod receiver;
 pub mod shading;
+pub mod specular_chain;
 pub mod visibility;
 pub mod visibility_learning;
 pub mod walk;

@@ -1,22 +1,27 @@
 //! The first pass of `photon_map`: photons are traced and sorted into maps.
 
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use super::TwoPasses;
 use super::look_up::LookUp;
+use super::storage::{Storage, stored};
 use crate::math::random::{MOST_PARTS, PassRandom, Stream};
 use crate::method::Pass;
 use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::Counters;
-use crate::transport::photon_map::{self, FIRST_SEARCH_CELLS, Grid, OriginPhoton, Photon, PhotonMap};
-use crate::transport::photon_tracing::PhotonSettings;
+use crate::transport::importance_map::ImportanceMap;
+use crate::transport::photon_map::{
+    self as maps, FIRST_SEARCH_CELLS, Grid, OriginPhoton, Photon, PhotonChunk, PhotonMap,
+};
+use crate::transport::photon_tracing::{PhotonSettings, trace_photon};
 
-/// The photons that pixels look at together: one map or several that were traced independently of each other.
+/// One of each kind: the photons of a map that was traced at once, or the maps that pixels look at together.
 pub(super) struct Maps<P> {
     /// For gather rays: all photons. Without them: those that a lobe with a density has scattered.
-    pub(super) global: Vec<P>,
+    pub(super) global: P,
     /// Photons that only mirrors and glass have scattered, at least once.
-    pub(super) caustic: Vec<P>,
+    pub(super) caustic: P,
 }
 
 impl TwoPasses {
@@ -27,15 +32,19 @@ impl TwoPasses {
         pass: &Pass<'_>,
         set: u32,
         cancel: &AtomicBool,
-    ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
+    ) -> Option<(Maps<Vec<PhotonMap<f32>>>, Counters)> {
         let random = PassRandom::independent(self.seed, stream, pass.index);
         let count = self.parameters.maps.get();
         let mut maps = Maps { global: Vec::new(), caustic: Vec::new() };
         let mut total = Counters::default();
+        let importance = match self.parameters.storage {
+            Storage::All => None,
+            Storage::Importance => self.importance_map(pass.index, &mut total),
+        };
         for map in 0..count {
             let photons = self.photons_per_pass / count + u32::from(map < self.photons_per_pass % count);
             let random = random.part(set * count + map, MOST_PARTS);
-            total += self.trace_map(&random, photons, pass.guide, &mut maps, cancel)?;
+            total += self.trace_map(&random, photons, pass.guide, importance.as_ref(), &mut maps, cancel)?;
         }
         Some((maps, total))
     }
@@ -46,7 +55,8 @@ impl TwoPasses {
         random: &PassRandom,
         photons: u32,
         guide: Option<&EmissionGuide>,
-        maps: &mut Maps<PhotonMap<f32>>,
+        importance: Option<&ImportanceMap>,
+        maps: &mut Maps<Vec<PhotonMap<f32>>>,
         cancel: &AtomicBool,
     ) -> Option<Counters> {
         let settings = PhotonSettings {
@@ -57,15 +67,81 @@ impl TwoPasses {
             paths: photons,
             guide,
         };
-        let (chunks, counters) =
-            photon_map::trace::<OriginPhoton>(&self.scene, &settings, &self.grid(&self.global), cancel)?;
-        let all = PhotonMap::build(&chunks, self.grid(&self.global));
-        maps.caustic.push(all.select(self.grid(&self.caustic), Photon::is_caustic));
-        maps.global.push(match self.parameters.final_gather.get() {
-            0 => all.select(self.grid(&self.global), Photon::is_scattered),
-            _ => all,
-        });
+        let (found, counters) = match (self.splitting.factor(), importance) {
+            (1, None) => self.trace_all(&settings, cancel)?,
+            (_, importance) => self.trace_some(&settings, importance, cancel)?,
+        };
+        maps.global.push(found.global);
+        maps.caustic.push(found.caustic);
         Some(counters)
+    }
+
+    /// Both maps hold the same photons.
+    fn trace_all(
+        &self,
+        settings: &PhotonSettings<'_>,
+        cancel: &AtomicBool,
+    ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
+        let (chunks, counters) = maps::trace::<OriginPhoton>(&self.scene, settings, &self.grid(&self.global), cancel)?;
+        let all = PhotonMap::build(&chunks, self.grid(&self.global));
+        let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
+        let global = match self.gathers() {
+            false => all.select(self.grid(&self.global), Photon::is_scattered),
+            true => all,
+        };
+        Some((Maps { global, caustic }, counters))
+    }
+
+    /// The caustic map holds more photons than the global map, or that does not hold all.
+    fn trace_some(
+        &self,
+        settings: &PhotonSettings<'_>,
+        importance: Option<&ImportanceMap>,
+        cancel: &AtomicBool,
+    ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
+        let grids = [self.grid(&self.global), self.grid(&self.caustic)];
+        let (chunks, counters) = maps::trace_chunks(settings.paths, cancel, |paths, counters| {
+            let Maps { global, caustic } = self.trace_paths(settings, importance, paths, counters);
+            Maps {
+                global: PhotonChunk::store(global, &grids[0], counters),
+                caustic: PhotonChunk::store(caustic, &grids[1], counters),
+            }
+        })?;
+        let (global, caustic): (Vec<_>, Vec<_>) =
+            chunks.into_iter().map(|Maps { global, caustic }| (global, caustic)).unzip();
+        let maps = Maps { global: PhotonMap::build(&global, grids[0]), caustic: PhotonMap::build(&caustic, grids[1]) };
+        Some((maps, counters))
+    }
+
+    /// The photons of some paths for either map.
+    fn trace_paths(
+        &self,
+        settings: &PhotonSettings<'_>,
+        importance: Option<&ImportanceMap>,
+        paths: Range<u32>,
+        counters: &mut Counters,
+    ) -> Maps<Vec<OriginPhoton>> {
+        let (mut global, mut caustic) = (Vec::with_capacity(4 * paths.len()), Vec::new());
+        let mut own = Vec::new();
+        for path in paths {
+            own.clear();
+            trace_photon::<OriginPhoton>(&self.scene, settings, path, &mut own, counters);
+            self.splitting.split(&self.scene, settings, path, &own, &mut caustic, counters);
+            let wanted = own.iter().filter(|found| self.gathers() || found.photon.is_scattered());
+            match importance {
+                None => global.extend(wanted),
+                Some(importance) => {
+                    let random = settings.random.path(path);
+                    global.extend(wanted.filter_map(|photon| stored(importance, photon, &random)));
+                }
+            }
+        }
+        Maps { global, caustic }
+    }
+
+    /// Whether rays gather indirect light.
+    fn gathers(&self) -> bool {
+        self.parameters.final_gather.get() > 0
     }
 
     fn grid(&self, look_up: &LookUp) -> Grid {

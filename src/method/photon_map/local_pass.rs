@@ -13,7 +13,7 @@ use crate::transport::{Counters, shading};
 /// What a thread needs to look at pixels.
 pub(super) struct LocalPass<'a, P> {
     pub(super) method: &'a TwoPasses,
-    pub(super) maps: &'a Maps<P>,
+    pub(super) maps: &'a Maps<Vec<P>>,
     pub(super) found: Nearest,
 }
 

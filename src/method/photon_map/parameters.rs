@@ -1,5 +1,6 @@
 //! Parameters of `photon_map`.
 
+use super::storage::Storage;
 use crate::method::FindsNothing;
 use crate::method::bounded_numbers::bounded;
 use crate::method::parameter_values::{
@@ -7,6 +8,7 @@ use crate::method::parameter_values::{
 };
 use crate::method::parameters::{ParameterValue, parameter, parameters};
 use crate::method::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
+use crate::transport::caustic_splitting::Splitting;
 use crate::transport::kernel::Kernel;
 use crate::transport::neighbor_choice::NeighborChoice;
 use crate::transport::occlusion::Occlusion;
@@ -66,6 +68,19 @@ impl ArrivalAngle {
 bounded! {
     /// A share of k photons.
     pub(super) struct ShareOfNeighbors(f64), [0.0 to 1.0]
+}
+
+bounded! {
+    /// S, caustic photons for each that the pass would have.
+    pub(super) struct SplittingFactor(u32), [1 to 65536]
+}
+
+impl ParameterValue for Splitting {
+    const RANGE: &'static str = "brute, metropolis, projection";
+}
+
+impl ParameterValue for Storage {
+    const RANGE: &'static str = "all, importance";
 }
 
 /// The structure that photons are looked up in.
@@ -187,6 +202,22 @@ parameters! {
             "radiance; or localized: the share of passes in which a pixel is sampled with all maps",
             ShownPart::Radiance,
             "radiance",
+        ),
+        caustic_splitting: SplittingFactor = parameter(
+            "how many times as many caustic photons as others, each with so much less flux",
+            SplittingFactor::new(1).expect("in range"),
+            "1",
+        ),
+        splitting: Splitting = parameter(
+            "how more caustic photons are found: brute, by more paths; projection, by those of them that may meet a specular surface \
+             first; metropolis, by mutations of those found",
+            Splitting::Brute,
+            "brute",
+        ),
+        storage: Storage = parameter(
+            "which photons the global map stores: all; importance, mostly those where gather rays end, weighted for it",
+            Storage::All,
+            "all",
         ),
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,

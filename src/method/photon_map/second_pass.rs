@@ -167,7 +167,7 @@ impl TracedPass<'_> {
     /// Has pixels look at maps.
     pub(super) fn look_at<T: Send>(
         &self,
-        maps: Maps<PhotonMap<f32>>,
+        maps: Maps<Vec<PhotonMap<f32>>>,
         step: Step,
         pixels: &mut [T],
         looks: impl Fn(u32, &T) -> bool + Sync,
@@ -186,7 +186,7 @@ impl TracedPass<'_> {
 
     fn look_in<P: OriginLookup, T: Send>(
         &self,
-        maps: &Maps<P>,
+        maps: &Maps<Vec<P>>,
         step: Step,
         pixels: &mut [T],
         looks: impl Fn(u32, &T) -> bool + Sync,

@@ -7,7 +7,7 @@ use super::accelerator::BoxTree;
 use super::obstacles::Layer;
 use super::parameterization::tangent_frame;
 use super::ray::{PrimitiveHit, Ray, largest, position_error};
-use super::surface::{Geometry, Interaction};
+use super::surface::{Geometry, Interaction, Shape};
 use super::transform::ToWorld;
 use crate::math::Frame;
 use crate::scene::error::SceneError;
@@ -166,6 +166,17 @@ impl Instances {
     pub(super) fn bounds(&self) -> Option<(Vec3, Vec3)> {
         let bounds = self.instances.iter().map(|instance| instance.bounds(self.group(instance).geometry.bounds()));
         bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+
+    /// For each instance with primitives of shapes that `wanted` picks, the box around them, m.
+    pub(super) fn boxes_of(&self, wanted: &dyn Fn(Shape) -> bool) -> Vec<(Vec3, Vec3)> {
+        let around = |group: &Group| {
+            let boxes = group.geometry.boxes_of(wanted).into_iter();
+            boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        };
+        let of_groups: Vec<Option<(Vec3, Vec3)>> = self.groups.iter().map(around).collect();
+        let placed = |instance: &Instance| of_groups[instance.group as usize].map(|found| instance.bounds(found));
+        self.instances.iter().filter_map(placed).collect()
     }
 
     fn group(&self, instance: &Instance) -> &Group {

@@ -211,6 +211,20 @@ impl Geometry {
         (self.low, self.high)
     }
 
+    /// Boxes around the primitives of those shapes that `wanted` picks, and around those of each instance, by smallest and largest
+    /// coordinates, m; in the order of the trees, in which neighbors are mostly near each other.
+    pub fn boxes_of(&self, wanted: &dyn Fn(Shape) -> bool) -> Vec<(Vec3, Vec3)> {
+        let primitives = self.info.iter().zip(self.accelerator.primitives());
+        let mut boxes: Vec<(Vec3, Vec3)> = primitives
+            .filter(|(info, _)| wanted(self.shapes[info.shape as usize]))
+            .map(|(_, primitive)| primitive.bounds())
+            .collect();
+        if let Some(instances) = &self.instances {
+            boxes.extend(instances.boxes_of(wanted));
+        }
+        boxes
+    }
+
     /// Centre and radius of a sphere around everything, m.
     pub fn bounding_sphere(&self) -> (Vec3, f32) {
         let center = (self.low + self.high) * 0.5;

@@ -4,6 +4,7 @@
 //! collects its photons from the chunks in order and counting-sorts them by cell. Both sorts are stable, so photons of a
 //! cell stand in path order.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -43,9 +44,23 @@ pub fn trace<R: TracedPhoton>(
     grid: &Grid,
     cancel: &AtomicBool,
 ) -> Option<(Vec<PhotonChunk<R>>, Counters)> {
-    let count = settings.paths;
-    let chunks = count.div_ceil(PATHS_PER_CHUNK);
-    let traced: Option<Vec<(PhotonChunk<R>, Counters)>> = (0..chunks)
+    trace_chunks(settings.paths, cancel, |paths, counters| {
+        let mut photons = Vec::with_capacity(4 * PATHS_PER_CHUNK as usize);
+        for path in paths {
+            trace_photon(scene, settings, path, &mut photons, counters);
+        }
+        PhotonChunk::store(photons, grid, counters)
+    })
+}
+
+/// Cuts the paths of a pass into chunks and has `trace` trace each of them; in the order of the paths. `None` when `cancel` was set
+/// meanwhile.
+pub fn trace_chunks<T: Send>(
+    paths: u32,
+    cancel: &AtomicBool,
+    trace: impl Fn(Range<u32>, &mut Counters) -> T + Sync,
+) -> Option<(Vec<T>, Counters)> {
+    let traced: Option<Vec<(T, Counters)>> = (0..paths.div_ceil(PATHS_PER_CHUNK))
         .into_par_iter()
         .map(|chunk| {
             if cancel.load(Ordering::Relaxed) {
@@ -53,13 +68,8 @@ pub fn trace<R: TracedPhoton>(
             }
             let first = chunk * PATHS_PER_CHUNK;
             let mut counters = Counters::default();
-            let mut photons = Vec::with_capacity(4 * PATHS_PER_CHUNK as usize);
-            for path in first..count.min(first + PATHS_PER_CHUNK) {
-                trace_photon(scene, settings, path, &mut photons, &mut counters);
-            }
-            counters.non_finite += drop_non_finite(&mut photons);
-            counters.photons_stored += photons.len() as u64;
-            Some((PhotonChunk::sort(&photons, grid), counters))
+            let traced = trace(first..paths.min(first + PATHS_PER_CHUNK), &mut counters);
+            Some((traced, counters))
         })
         .collect();
     let mut total = Counters::default();
@@ -81,6 +91,13 @@ fn drop_non_finite<R: PhotonRecord>(photons: &mut Vec<R>) -> u64 {
 }
 
 impl<R: PhotonRecord> PhotonChunk<R> {
+    /// Counts the photons that are finite and sorts them by bucket.
+    pub fn store(mut photons: Vec<R>, grid: &Grid, counters: &mut Counters) -> Self {
+        counters.non_finite += drop_non_finite(&mut photons);
+        counters.photons_stored += photons.len() as u64;
+        Self::sort(&photons, grid)
+    }
+
     /// Sorts photons by bucket.
     pub fn sort(photons: &[R], grid: &Grid) -> Self {
         let shift = bucket_shift(grid);

@@ -47,6 +47,17 @@ impl Grid {
         ]
     }
 
+    /// The numbers of the cell with these coordinates and of those around it, at most 27.
+    pub fn around(&self, coordinates: [u32; 3]) -> impl Iterator<Item = usize> {
+        let [x, y, z] = [0, 1, 2]
+            .map(|axis| coordinates[axis].saturating_sub(1)..=(coordinates[axis] + 1).min(self.size[axis] - 1));
+        let grid = *self;
+        z.flat_map(move |z| {
+            let x = x.clone();
+            y.clone().flat_map(move |y| x.clone().map(move |x| grid.cell([x, y, z])))
+        })
+    }
+
     /// The number of a cell.
     #[inline]
     pub fn cell(&self, [x, y, z]: [u32; 3]) -> usize {

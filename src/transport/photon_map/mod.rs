@@ -12,7 +12,7 @@ mod lookup;
 mod nearest;
 mod photon;
 
-pub use build::{PhotonChunk, trace};
+pub use build::{PhotonChunk, trace, trace_chunks};
 pub use compact::CompactPhoton;
 pub use gather::{GatherQuery, Gathered};
 pub use grid::Grid;

@@ -100,6 +100,15 @@ pub type OriginPhoton = PhotonWith<f32>;
 /// A photon that knows its path, too.
 pub type PathPhoton = PhotonWith<PathSegment>;
 
+impl<E> PhotonWith<E> {
+    /// The same photon with `factor` times its flux.
+    #[inline]
+    #[must_use]
+    pub fn scaled(self, factor: f32) -> Self {
+        Self { photon: self.photon.scaled(factor), ..self }
+    }
+}
+
 impl<E: Copy + Default + Send + Sync> PhotonRecord for PhotonWith<E> {
     type Extra = E;
 
@@ -151,6 +160,13 @@ impl Photon {
 }
 
 impl Photon {
+    /// The same photon with `factor` times its flux.
+    #[inline]
+    #[must_use]
+    pub fn scaled(self, factor: f32) -> Self {
+        Self { flux: self.flux.map(|channel| channel * factor), ..self }
+    }
+
     /// The normal of its surface on the side where it arrived; its length is 1 to 2 %.
     #[inline]
     pub fn normal(&self) -> Vec3 {
