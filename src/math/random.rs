@@ -153,6 +153,19 @@ pub fn spread(shift: [f32; 2], index: u32, count: u32) -> [f32; 2] {
     [wrapped(shift[0] + index as f32 / count as f32), wrapped(shift[1] + radical_inverse)]
 }
 
+/// Point `index` of a row of which every run is spread evenly over the unit square, shifted by two numbers in [0, 1) round its borders
+/// [Roberts 2018, R2].
+#[inline]
+pub fn spread_row(shift: [f32; 2], index: u32) -> [f32; 2] {
+    // 2³² over the plastic number, and over its square.
+    const STEPS: [u32; 2] = [3_242_174_889, 2_447_445_414];
+    let wrapped = |value: f32| if value >= 1.0 { value - 1.0 } else { value };
+    [0, 1].map(|axis| {
+        let step = (index.wrapping_mul(STEPS[axis]) >> 8) as f32 * (1.0 / 16_777_216.0);
+        wrapped(shift[axis] + step)
+    })
+}
+
 /// Which block of a path's numbers decides what. A vertex owns two blocks: scattering and light sampling.
 pub mod dimension {
     /// Pixel position (2 numbers) and lens position (2).
@@ -170,6 +183,11 @@ pub mod dimension {
     /// Light sampling at path vertex `vertex`: two for the position, light choice.
     pub const fn light(vertex: u32) -> u32 {
         1 + 2 * vertex
+    }
+
+    /// Light sampling at path vertex `vertex` with picks of another kind: two for the position, light choice.
+    pub const fn guided_light(vertex: u32) -> u32 {
+        (1 << 20) + vertex
     }
 
     /// Whether the photon at vertex `vertex` of a light path is stored (1).

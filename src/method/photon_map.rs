@@ -21,7 +21,7 @@
 //! | part | paths |
 //! |---|---|
 //! | emission seen | L S* E |
-//! | direct light at X | L X … E; at a G the camera path may find it by chance too, and both share its weight |
+//! | direct light at X | L X … E; at a G the camera path may find it by chance too, and both share its weight; at a D `direct` says how |
 //! | caustic map at X | L S+ X … E |
 //! | final gather | L S* X (S\|G\|D)* D … E: a D lies between X and the eye; the one next to the eye gathers |
 //!
@@ -38,11 +38,15 @@
 //! paths, which look at the same set.
 //! `caustic_splitting` brings more photons to the caustic map alone, see [`caustic_splitting`](crate::transport::caustic_splitting);
 //! `storage: importance` keeps photons of the global map where gather rays end (`storage.rs`).
+//! `direct` says who finds L D … E, where the camera path ends: `sample` and `photon_direct` sample lights and the D's lobes, `shadow_photons`
+//! does so without shadow rays where photons tell what is seen, and `photons` looks up those of one segment, which no other part counts.
+//! At a G it is the same with all of them: one light sample, with as usual picked lights, shares its weight with the path that goes on.
 //!
 //! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
 //! falls as √(k/photons_per_pass). Memory: 36 bytes per stored photon, and again for each caustic one.
 
+mod direct_light;
 mod first_pass;
 mod hierarchy;
 mod local_pass;
@@ -57,7 +61,7 @@ use std::sync::atomic::AtomicBool;
 
 use hierarchy::Hierarchy;
 use look_up::LookUp;
-use parameters::Parameters;
+use parameters::{Direct, Parameters};
 use second_pass::{MapChoice, Step, TracedPass};
 
 use super::gather_ends::GatherEnds;
@@ -114,14 +118,17 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn futile_in(&self, traits: SceneTraits) -> Option<&'static str> {
-        traits.sealed_lights.then_some(
+        (traits.sealed_lights && self.direct == Direct::Sample).then_some(
             "nearly all light meets mirrors or glass first, so sampled direct light finds hardly any, and most of what is seen is read \
              from the caustic map, which no gather ray smooths; sppm shrinks what that blurs",
         )
     }
 
     fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.contradiction().or_else(|| self.futile_look_ups()).or_else(|| self.contradiction_of_splitting())
+        self.contradiction()
+            .or_else(|| self.futile_look_ups())
+            .or_else(|| self.contradiction_of_splitting())
+            .or_else(|| self.unused_for_direct_light())
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
@@ -135,6 +142,7 @@ impl ParameterizedMethod for Parameters {
             photons_per_pass,
             global: self.look_up(self.neighbors.get(), scene_radius, photons),
             caustic: self.caustic_look_up(scene_radius, caustic_photons),
+            direct: self.direct_look_up(scene_radius, photons),
             choice: self.map_choice(scene.width),
             splitting,
             parameters: self.clone(),
@@ -151,6 +159,7 @@ struct TwoPasses {
     photons_per_pass: u32,
     global: LookUp,
     caustic: LookUp,
+    direct: LookUp,
     choice: MapChoice,
     splitting: CausticSplitting,
     parameters: Parameters,
@@ -212,10 +221,12 @@ impl TwoPasses {
         let count = self.scene.pixel_count();
         let mut nobody_cares = vec![(); count];
         let step = Step { set: 0, sample: 0, samples: 1 };
-        let (maps, photons) = self.trace_photons(traced.streams[0], traced.pass, step.set, traced.cancel)?;
-        let mut looks = traced.look_at(maps, step, &mut nobody_cares, |_, ()| true, |(), _, _| {})?;
-        let Parameters { final_gather, camera_paths, maps, .. } = &self.parameters;
-        let look_ups = u64::from(maps.get()) * u64::from(camera_paths.get()) * (1 + u64::from(final_gather.get()));
+        let (seen, photons) = traced.trace_seen(step.set)?;
+        let mut looks = traced.look_at(seen, step, &mut nobody_cares, |_, ()| true, |(), _, _| {})?;
+        let Parameters { final_gather, camera_paths, maps, direct, .. } = &self.parameters;
+        let of_a_path =
+            u64::from(maps.get()) * (1 + u64::from(final_gather.get())) + u64::from(*direct != Direct::Sample);
+        let look_ups = u64::from(camera_paths.get()) * of_a_path;
         looks.rays += count as u64 * look_ups * RAYS_PER_LOOKUP;
         let mut total = scaled(&photons, f64::from(self.choice.sets()));
         total += scaled(&looks, self.choice.mean_sets_of_a_pixel());

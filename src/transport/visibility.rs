@@ -58,6 +58,12 @@ pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) 
     }
 }
 
+/// The same where nothing is known to be in the way.
+#[inline]
+pub fn transmittance_of_media(scene: &Scene, joint: &Joint<'_>) -> Rgb {
+    if joint.medium.is_none() { Rgb::ONE } else { through_medium(scene, *joint, 0) }
+}
+
 // What scenes without media never call takes values, for the same reason.
 
 /// The share that the medium lets pass on the part of a joint behind `passed` surfaces.

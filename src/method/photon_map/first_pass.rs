@@ -144,7 +144,8 @@ impl TwoPasses {
         self.parameters.final_gather.get() > 0
     }
 
-    fn grid(&self, look_up: &LookUp) -> Grid {
+    /// Cells for a map that is looked at so.
+    pub(super) fn grid(&self, look_up: &LookUp) -> Grid {
         let (low, high) = self.scene.geometry.bounds();
         let cell = look_up.first_radius / FIRST_SEARCH_CELLS;
         Grid::new(low, high, cell, 4 * u64::from(self.photons_per_pass / self.parameters.maps.get()).max(1 << 14))

@@ -1,23 +1,24 @@
 //! The second pass of `photon_map`: what each camera path sees by the photons of the first.
 
 use super::TwoPasses;
+use super::direct_light::DirectRow;
 use super::first_pass::Maps;
 use super::look_up::LookUp;
 use crate::math::Rgb;
 use crate::math::random::{PathRandom, dimension, spread};
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
-use crate::transport::direct_light::direct_light;
-use crate::transport::photon_map::{Nearest, OriginLookup};
+use crate::transport::photon_map::{LightLookup, Nearest, OriginLookup};
 use crate::transport::{Counters, shading};
 
 /// What a thread needs to look at pixels.
-pub(super) struct LocalPass<'a, P> {
+pub(super) struct LocalPass<'a, P, D> {
     pub(super) method: &'a TwoPasses,
     pub(super) maps: &'a Maps<Vec<P>>,
+    pub(super) direct: DirectRow<'a, D>,
     pub(super) found: Nearest,
 }
 
-impl<P: OriginLookup> LocalPass<'_, P> {
+impl<P: OriginLookup, D: LightLookup> LocalPass<'_, P, D> {
     /// Radiance that a camera path sees.
     pub(super) fn pixel(&mut self, pixel: [u32; 2], random: &PathRandom, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, .. } = self.method;
@@ -42,10 +43,10 @@ impl<P: OriginLookup> LocalPass<'_, P> {
 
     /// Direct light and caustics at a point, as the camera sees them.
     fn direct_and_caustic(&mut self, at: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
-        let TwoPasses { scene, limits, caustic, .. } = self.method;
+        let TwoPasses { limits, caustic, .. } = self.method;
         let mut reflected = self.look_up(caustic, &self.maps.caustic, at, counters);
         if limits.allows(at.segments + 1) {
-            reflected += direct_light(scene, at, random, counters);
+            reflected += self.direct.reflected(at, random, counters);
         }
         at.throughput * reflected
     }

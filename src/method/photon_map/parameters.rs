@@ -83,6 +83,34 @@ impl ParameterValue for Storage {
     const RANGE: &'static str = "all, importance";
 }
 
+bounded! {
+    /// Light samples at a point.
+    pub(super) struct LightSamples(u32), [1 to 1024]
+}
+
+bounded! {
+    /// How far a look-up is used again, in its radii.
+    pub(super) struct Reuse(f64), [0.0 to 1.0]
+}
+
+/// How direct light is found where a camera path ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Direct {
+    /// Lights are sampled.
+    Sample,
+    /// Photons that came straight from lights are looked up.
+    Photons,
+    /// Lights are sampled, with shadow rays only where photons do not tell what is seen.
+    ShadowPhotons,
+    /// Lights are sampled by the energy of the photons that came from them.
+    PhotonDirect,
+}
+
+impl ParameterValue for Direct {
+    const RANGE: &'static str = "sample, photons, shadow_photons, photon_direct";
+}
+
 /// The structure that photons are looked up in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -138,6 +166,28 @@ parameters! {
             "auto: half the area that k photons take on average",
         ),
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
+        direct: Direct = parameter(
+            "how direct light is found at wide lobes: sample, by light samples; photons, by those that came straight from lights; \
+             shadow_photons, by light samples with shadow rays only where photons do not tell what is seen; photon_direct, by light \
+             samples in proportion to what photons brought from each light",
+            Direct::Sample,
+            "sample",
+        ),
+        direct_samples: LightSamples = parameter(
+            "light samples at a wide lobe; photon_direct takes one more, picked as everywhere",
+            LightSamples::new(1).expect("in range"),
+            "1",
+        ),
+        direct_neighbors: Neighbors = parameter(
+            "nearest photons in a look-up of direct photons",
+            Neighbors::new(50).expect("in range"),
+            "50",
+        ),
+        direct_reuse: Reuse = parameter(
+            "how far photon_direct uses a look-up again in the row of pixels, in radii of that look-up; 0 never",
+            Reuse::new(0.5).expect("in range"),
+            "0.5",
+        ),
         light_picks: LightPicks = LIGHT_PICKS,
         emission: Emission = EMISSION,
         occlusion: Occlusion = OCCLUSION,

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::TwoPasses;
+use super::direct_light::{DirectLight, DirectRow};
 use super::first_pass::Maps;
 use super::hierarchy::{Hierarchy, Node};
 use super::local_pass::LocalPass;
@@ -18,7 +19,9 @@ use crate::math::random::{PassRandom, PathRandom, Permutation, Stream};
 use crate::method::Pass;
 use crate::method::photon_pass::add_to_tally;
 use crate::transport::Counters;
-use crate::transport::photon_map::{Gathered, KdTree, Nearest, OriginLookup, PhotonMap};
+use crate::transport::photon_map::{
+    Gathered, KdTree, LightLookup, LightPhoton, LightSegment, Nearest, OriginLookup, OriginPhoton, PhotonMap,
+};
 
 /// Which pixels look at which sets of maps.
 pub(super) enum MapChoice {
@@ -56,6 +59,24 @@ pub(super) struct TracedPass<'a> {
     pub(super) streams: [Stream; 2],
     pub(super) pass: &'a Pass<'a>,
     pub(super) cancel: &'a AtomicBool,
+}
+
+/// The photons that a pixel looks at.
+pub(super) struct Seen<P, D> {
+    pub(super) maps: Maps<Vec<P>>,
+    pub(super) direct: DirectLight<D>,
+}
+
+/// Photons in cells, as they are traced.
+pub(super) type SeenInGrid = Seen<PhotonMap<f32>, PhotonMap<LightSegment>>;
+
+impl SeenInGrid {
+    /// The same in trees.
+    fn into_trees(self) -> Seen<KdTree<OriginPhoton>, KdTree<LightPhoton>> {
+        let trees = |maps: Vec<PhotonMap<f32>>| maps.into_iter().map(KdTree::from).collect();
+        let Maps { global, caustic } = self.maps;
+        Seen { maps: Maps { global: trees(global), caustic: trees(caustic) }, direct: self.direct.map(KdTree::from) }
+    }
 }
 
 /// A set of maps, and how often a pixel that looks at it has looked at others before.
@@ -159,34 +180,37 @@ impl TracedPass<'_> {
         looks: impl Fn(u32, &T) -> bool + Sync,
         keep: impl Fn(&mut T, Rgb, &mut Counters) + Sync,
     ) -> Option<Counters> {
-        let (maps, mut total) = self.method.trace_photons(self.streams[0], self.pass, step.set, self.cancel)?;
-        total += self.look_at(maps, step, pixels, looks, keep)?;
+        let (seen, mut total) = self.trace_seen(step.set)?;
+        total += self.look_at(seen, step, pixels, looks, keep)?;
         Some(total)
     }
 
-    /// Has pixels look at maps.
+    /// Traces the photons of a set.
+    pub(super) fn trace_seen(&self, set: u32) -> Option<(SeenInGrid, Counters)> {
+        let (maps, mut total) = self.method.trace_photons(self.streams[0], self.pass, set, self.cancel)?;
+        let direct = self.method.trace_direct(self.streams[0], self.pass, set, &mut total, self.cancel)?;
+        Some((Seen { maps, direct }, total))
+    }
+
+    /// Has pixels look at photons.
     pub(super) fn look_at<T: Send>(
         &self,
-        maps: Maps<Vec<PhotonMap<f32>>>,
+        seen: SeenInGrid,
         step: Step,
         pixels: &mut [T],
         looks: impl Fn(u32, &T) -> bool + Sync,
         keep: impl Fn(&mut T, Rgb, &mut Counters) + Sync,
     ) -> Option<Counters> {
         let counters = match self.method.parameters.structure {
-            Structure::Grid => self.look_in(&maps, step, pixels, looks, keep),
-            Structure::KdTree => {
-                let trees = |maps: Vec<PhotonMap<f32>>| maps.into_iter().map(KdTree::from).collect();
-                let maps = Maps { global: trees(maps.global), caustic: trees(maps.caustic) };
-                self.look_in(&maps, step, pixels, looks, keep)
-            }
+            Structure::Grid => self.look_in(&seen, step, pixels, looks, keep),
+            Structure::KdTree => self.look_in(&seen.into_trees(), step, pixels, looks, keep),
         };
         (!self.cancel.load(Ordering::Relaxed)).then_some(counters)
     }
 
-    fn look_in<P: OriginLookup, T: Send>(
+    fn look_in<P: OriginLookup, D: LightLookup, T: Send>(
         &self,
-        maps: &Maps<Vec<P>>,
+        seen: &Seen<P, D>,
         step: Step,
         pixels: &mut [T],
         looks: impl Fn(u32, &T) -> bool + Sync,
@@ -197,7 +221,8 @@ impl TracedPass<'_> {
         let paths = method.parameters.camera_paths.get();
         let random = PassRandom::of_pixels(method.seed, self.streams[1], pass.index);
         let trace_row = |(row, pixels): (usize, &mut [T])| {
-            let mut gathering = LocalPass { method, maps, found: Nearest::default() };
+            let direct = DirectRow::new(method, &seen.direct);
+            let mut gathering = LocalPass { method, maps: &seen.maps, direct, found: Nearest::default() };
             let mut counters = Counters::default();
             if cancel.load(Ordering::Relaxed) {
                 return counters;

@@ -40,7 +40,7 @@ pub use read::{check_sampling_weight, read};
 pub use spot::Spot;
 pub use sun_sky::SunSky;
 pub use surroundings::Surroundings;
-pub use table::LightTable;
+pub use table::{FoundLight, LightPick, LightTable};
 pub use visibility::LightVisibility;
 
 /// Light that may arrive at a point, before anything in between is looked at.

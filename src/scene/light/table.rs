@@ -38,6 +38,26 @@ pub struct LightTable {
     few_emitters: Option<Vec<u32>>,
 }
 
+/// A light that was picked.
+#[derive(Clone, Copy, Debug)]
+pub struct LightPick {
+    /// Its index.
+    pub index: usize,
+    /// How often it is picked on average, of one pick the probability.
+    pub picks: f32,
+}
+
+/// Light that a direction found by chance.
+#[derive(Clone, Copy, Debug)]
+pub struct FoundLight {
+    /// Index of the light.
+    pub index: usize,
+    /// What arrives, W·sr⁻¹·m⁻².
+    pub radiance: Rgb,
+    /// The density by solid angle with which the light, once it is picked, is sampled there.
+    pub pdf: f32,
+}
+
 /// Up to so many primitives are tested one by one.
 const FEW: usize = 8;
 /// Surfaces count as no nearer to a light than this share of the scene's radius when one is picked.
@@ -204,11 +224,23 @@ impl LightTable {
     #[inline]
     pub fn sample_direct(&self, geometry: &Geometry, place: &Place, u: [f32; 3]) -> Option<DirectSample> {
         let (index, probability) = self.pick(place, u[2])?;
-        let sample = self.lights[index].sample_direct(geometry, place.position, [u[0], u[1]])?;
+        self.sample_light(geometry, place, LightPick { index, picks: probability }, [u[0], u[1]])
+    }
+
+    /// Samples what may arrive at `place` from a light; densities include how often it is picked.
+    #[inline(always)]
+    pub fn sample_light(
+        &self,
+        geometry: &Geometry,
+        place: &Place,
+        LightPick { index, picks }: LightPick,
+        u: [f32; 2],
+    ) -> Option<DirectSample> {
+        let sample = self.lights[index].sample_direct(geometry, place.position, u)?;
         Some(DirectSample {
-            weighted_radiance: sample.weighted_radiance / probability,
-            pdf_solid_angle: sample.pdf_solid_angle * probability,
-            emission_ratio: sample.emission_ratio * (self.emission_pick(index as u32) / probability),
+            weighted_radiance: sample.weighted_radiance / picks,
+            pdf_solid_angle: sample.pdf_solid_angle * picks,
+            emission_ratio: sample.emission_ratio * (self.emission_pick(index as u32) / picks),
             ..sample
         })
     }
@@ -224,14 +256,31 @@ impl LightTable {
         if hit.shape.light >= SEEN_ONLY {
             return self.shown(hit, is_seen);
         }
+        let FoundLight { index, radiance, pdf } = self.found_at(geometry, place, hit)?;
+        Some((radiance, pdf * self.probability(place, index)))
+    }
+
+    /// The light that a hit is of, where it emits anything back along the path to `place`.
+    #[inline(always)]
+    pub fn found_at(&self, geometry: &Geometry, place: &Place, hit: &Interaction) -> Option<FoundLight> {
+        if hit.shape.light >= SEEN_ONLY {
+            return None;
+        }
         let index = hit.shape.light as usize;
         let radiance = self.lights[index].emitted(hit);
         if radiance == Rgb::ZERO {
             return None;
         }
-        let pick = self.probability(place, index);
-        let pdf = self.lights[index].direct_pdf(geometry, place.position, &SeenPoint::of(hit)) * pick;
-        Some((radiance, pdf))
+        let pdf = self.lights[index].direct_pdf(geometry, place.position, &SeenPoint::of(hit));
+        Some(FoundLight { index, radiance, pdf })
+    }
+
+    /// The light outside of the scene that shines from `direction`.
+    #[inline]
+    pub fn found_outside(&self, direction: Vec3) -> Option<FoundLight> {
+        let index = self.environment?;
+        let (radiance, pdf) = self.lights[index].environment(direction)?;
+        Some(FoundLight { index, radiance, pdf })
     }
 
     #[cold]
@@ -293,8 +342,7 @@ impl LightTable {
     /// [`LightTable::sample_direct`] takes it.
     #[inline]
     pub fn environment(&self, place: &Place, direction: Vec3) -> Option<(Rgb, f32)> {
-        let index = self.environment?;
-        let (radiance, pdf) = self.lights[index].environment(direction)?;
+        let FoundLight { index, radiance, pdf } = self.found_outside(direction)?;
         Some((radiance, pdf * self.probability(place, index)))
     }
 

@@ -44,10 +44,23 @@ pub fn trace<R: TracedPhoton>(
     grid: &Grid,
     cancel: &AtomicBool,
 ) -> Option<(Vec<PhotonChunk<R>>, Counters)> {
-    trace_chunks(settings.paths, cancel, |paths, counters| {
+    let path = |path: u32, photons: &mut Vec<R>, counters: &mut Counters| {
+        trace_photon(scene, settings, path, photons, counters);
+    };
+    trace_with(settings.paths, grid, cancel, path)
+}
+
+/// Traces `count` paths, each by `trace_path`, which appends the photons that it stores; `None` when `cancel` was set meanwhile.
+pub fn trace_with<R: PhotonRecord>(
+    count: u32,
+    grid: &Grid,
+    cancel: &AtomicBool,
+    trace_path: impl Fn(u32, &mut Vec<R>, &mut Counters) + Sync,
+) -> Option<(Vec<PhotonChunk<R>>, Counters)> {
+    trace_chunks(count, cancel, |paths, counters| {
         let mut photons = Vec::with_capacity(4 * PATHS_PER_CHUNK as usize);
         for path in paths {
-            trace_photon(scene, settings, path, &mut photons, counters);
+            trace_path(path, &mut photons, counters);
         }
         PhotonChunk::store(photons, grid, counters)
     })

@@ -39,6 +39,12 @@ impl<R: StoredPhoton> KdTree<R> {
         Self { photons, axes }
     }
 
+    /// The photon with an index, and whatever else is kept of it.
+    #[inline]
+    pub fn record(&self, index: usize) -> &R {
+        &self.photons[index]
+    }
+
     /// Shows the index of every photon of the run that may lie within √`radius_squared` of `center`, in ascending order.
     fn for_each_near(&self, run: Run, center: Vec3, radius: f32, visit: &mut impl FnMut(usize)) {
         let Some((before, middle, behind)) = run.split() else {

@@ -8,15 +8,17 @@ mod compact;
 mod gather;
 mod grid;
 mod kd_tree;
+mod light_segment;
 mod lookup;
 mod nearest;
 mod photon;
 
-pub use build::{PhotonChunk, trace, trace_chunks};
+pub use build::{PhotonChunk, trace, trace_chunks, trace_with};
 pub use compact::CompactPhoton;
 pub use gather::{GatherQuery, Gathered};
 pub use grid::Grid;
 pub use kd_tree::KdTree;
+pub use light_segment::{LightLookup, LightPhoton, LightSegment};
 pub use lookup::{OriginLookup, PhotonLookup};
 pub use nearest::{FIRST_SEARCH_CELLS, Nearest};
 pub use photon::{
