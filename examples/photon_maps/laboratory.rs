@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use photonfarm::estimate::declaration::PHOTONS_STORED;
 use photonfarm::estimate::{Picture, picture_files};
 use photonfarm::evaluation::{Metrics, ProcessStopwatch, Run, Stopwatch, compare};
 use photonfarm::import::load_file;
@@ -36,6 +37,8 @@ pub(crate) struct Rendered {
     pub(crate) picture: Picture,
     /// Processor time, the pilot included, s.
     pub(crate) seconds: f64,
+    /// Photons stored in a pass, on average.
+    pub(crate) photons_stored: f64,
 }
 
 impl Experiment<'_> {
@@ -49,7 +52,8 @@ impl Experiment<'_> {
         for _ in 0..self.passes {
             run.pass()?;
         }
-        Ok(Rendered { picture: run.picture(), seconds: stopwatch.spent()?.processor })
+        let photons_stored = run.count(PHOTONS_STORED) / f64::from(self.passes);
+        Ok(Rendered { picture: run.picture(), seconds: stopwatch.spent()?.processor, photons_stored })
     }
 }
 

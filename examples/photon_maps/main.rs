@@ -3,10 +3,17 @@
 //! `cargo run --release --example photon_maps > docs/PHOTON-MAPS.md` runs all chapters; names behind `--` choose among them. How long
 //! each takes stands in [`CHAPTERS`].
 
+mod caustic_splitting;
+mod direct_light;
 mod hierarchy;
 mod importance;
 mod laboratory;
 mod many_maps;
+mod storage;
+mod choice_of_k;
+mod importance;
+mod laboratory;
+mod plausibility;
 mod structures;
 
 use std::error::Error;
@@ -36,7 +43,27 @@ const CHAPTERS: &[Chapter] = &[
     },
     Chapter { name: "many_maps", heading: "Many photon maps (4.4)", minutes: 4, run: many_maps::run },
     Chapter { name: "hierarchy", heading: "The hierarchical photon map (4.5)", minutes: 3, run: hierarchy::run },
+    Chapter {
+        name: "direct_light",
+        heading: "Separate calculation of direct light (4.2)",
+        minutes: 5,
+        run: direct_light::run,
+    },
+    Chapter {
+        name: "caustic_splitting",
+        heading: "Splitting of caustic photons (4.6)",
+        minutes: 4,
+        run: caustic_splitting::run,
+    },
+    Chapter { name: "storage", heading: "Storage by importance (4.7)", minutes: 4, run: storage::run },
+    Chapter {
+        name: "plausibility",
+        heading: "Photons that could not have come here (4.1)",
+        minutes: 5,
+        run: plausibility::run,
+    },
     Chapter { name: "importance", heading: "Photons where they are needed (4.7)", minutes: 4, run: importance::run },
+    Chapter { name: "choice_of_k", heading: "Choosing k (4.8)", minutes: 6, run: choice_of_k::run },
 ];
 
 fn main() -> Fallible<()> {

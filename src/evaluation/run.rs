@@ -82,6 +82,11 @@ impl Run {
         self.estimate.passes()
     }
 
+    /// A count of all passes so far, by its name in tallies; 0 for what is not counted.
+    pub fn count(&self, name: &str) -> f64 {
+        self.estimate.scalar(name)
+    }
+
     /// The error of the picture so far, as its passes tell it.
     pub fn error(&self) -> Option<ErrorEstimate> {
         self.estimate.error()

@@ -6,6 +6,7 @@ mod progressive;
 mod scene_text;
 
 mod batches;
+mod caustic_splitting;
 mod formats;
 mod guided_emission;
 mod many_maps;
@@ -13,5 +14,6 @@ mod materials;
 mod methods;
 mod photon_look_ups;
 mod photon_map;
+mod photon_map_direct;
 mod references;
 mod visible_lights;

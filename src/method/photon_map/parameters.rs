@@ -72,7 +72,7 @@ bounded! {
 
 bounded! {
     /// S, caustic photons for each that the pass would have.
-    pub(super) struct SplittingFactor(u32), [1 to 65536]
+    pub(super) struct SplittingFactor(u32), [1 to 4096]
 }
 
 impl ParameterValue for Splitting {
