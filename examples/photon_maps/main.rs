@@ -4,16 +4,15 @@
 //! each takes stands in [`CHAPTERS`].
 
 mod caustic_splitting;
+mod choice_of_k;
 mod direct_light;
 mod hierarchy;
 mod importance;
 mod laboratory;
+mod local_pass;
 mod many_maps;
-mod storage;
-mod choice_of_k;
-mod importance;
-mod laboratory;
 mod plausibility;
+mod storage;
 mod structures;
 
 use std::error::Error;
@@ -41,8 +40,12 @@ const CHAPTERS: &[Chapter] = &[
         minutes: 6,
         run: structures::run,
     },
-    Chapter { name: "many_maps", heading: "Many photon maps (4.4)", minutes: 4, run: many_maps::run },
-    Chapter { name: "hierarchy", heading: "The hierarchical photon map (4.5)", minutes: 3, run: hierarchy::run },
+    Chapter {
+        name: "plausibility",
+        heading: "Photons that could not have come here (4.1)",
+        minutes: 5,
+        run: plausibility::run,
+    },
     Chapter {
         name: "direct_light",
         heading: "Separate calculation of direct light (4.2)",
@@ -50,18 +53,20 @@ const CHAPTERS: &[Chapter] = &[
         run: direct_light::run,
     },
     Chapter {
+        name: "local_pass",
+        heading: "Local pass with irradiance caching (4.3)",
+        minutes: 6,
+        run: local_pass::run,
+    },
+    Chapter { name: "many_maps", heading: "Many photon maps (4.4)", minutes: 4, run: many_maps::run },
+    Chapter { name: "hierarchy", heading: "The hierarchical photon map (4.5)", minutes: 3, run: hierarchy::run },
+    Chapter {
         name: "caustic_splitting",
         heading: "Splitting of caustic photons (4.6)",
         minutes: 4,
         run: caustic_splitting::run,
     },
     Chapter { name: "storage", heading: "Storage by importance (4.7)", minutes: 4, run: storage::run },
-    Chapter {
-        name: "plausibility",
-        heading: "Photons that could not have come here (4.1)",
-        minutes: 5,
-        run: plausibility::run,
-    },
     Chapter { name: "importance", heading: "Photons where they are needed (4.7)", minutes: 4, run: importance::run },
     Chapter { name: "choice_of_k", heading: "Choosing k (4.8)", minutes: 6, run: choice_of_k::run },
 ];

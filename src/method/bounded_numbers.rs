@@ -2,7 +2,7 @@
 
 use serde::de::{Deserializer, Error, Visitor};
 
-/// Declares a type of numbers in a range: `Name(number type), [range]`, and with `or Auto`, `or All` also the range of that type of it.
+/// Declares a type of numbers in a range: `Name(number type), [range]`, and with `or Auto`, `or All`, `or Switchable` also the range of that type of it.
 ///
 /// A range is `above LOW, below HIGH` of real numbers, or some of `LOW to HIGH`, `NUMBER` and `NUMBER for MEANING` with commas between.
 macro_rules! bounded {
@@ -78,6 +78,11 @@ macro_rules! optional {
     (All, $name:ident, $range:tt) => {
         impl $crate::method::parameters::ParameterValue for $crate::method::parameter_values::All<$name> {
             const RANGE: &'static str = concat!($crate::method::bounded_numbers::told!($range), ", all");
+        }
+    };
+    (Switchable, $name:ident, $range:tt) => {
+        impl $crate::method::parameters::ParameterValue for $crate::method::parameter_values::Switchable<$name> {
+            const RANGE: &'static str = concat!($crate::method::bounded_numbers::told!($range), ", off");
         }
     };
 }

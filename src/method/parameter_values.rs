@@ -45,6 +45,28 @@ impl<T> All<T> {
     }
 }
 
+/// A number, or the word `off`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Switchable<T> {
+    /// Without it.
+    #[default]
+    Off,
+    /// With this number.
+    #[serde(untagged)]
+    On(T),
+}
+
+impl<T> Switchable<T> {
+    /// The number, unless it is off.
+    pub fn on(self) -> Option<T> {
+        match self {
+            Self::Off => None,
+            Self::On(value) => Some(value),
+        }
+    }
+}
+
 bounded! {
     /// A share that is neither nothing nor all.
     pub struct OpenUnit(f64), [above 0, below 1]

@@ -41,6 +41,7 @@
 //! `direct` says who finds L D … E, where the camera path ends: `sample` and `photon_direct` sample lights and the D's lobes, `shadow_photons`
 //! does so without shadow rays where photons tell what is seen, and `photons` looks up those of one segment, which no other part counts.
 //! At a G it is the same with all of them: one light sample, with as usual picked lights, shares its weight with the path that goes on.
+//! With `cache_error` rays gather irradiance for a whole neighbourhood on matte surfaces ([`crate::transport::irradiance`]).
 //!
 //! Limits: an estimate is wrong where the density changes within r: dark towards edges, light that leaks under walls,
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
@@ -49,6 +50,7 @@
 mod direct_light;
 mod first_pass;
 mod hierarchy;
+mod irradiance_cache;
 mod local_pass;
 mod look_up;
 mod parameters;
@@ -129,6 +131,7 @@ impl ParameterizedMethod for Parameters {
             .or_else(|| self.futile_look_ups())
             .or_else(|| self.contradiction_of_splitting())
             .or_else(|| self.unused_for_direct_light())
+            .or_else(|| self.contradiction_of_cache())
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
@@ -218,19 +221,26 @@ impl PreparedMethod for TwoPasses {
 impl TwoPasses {
     /// What a pass costs, by one set of its maps and one look of every pixel; that pixels are localized is not foreseen.
     fn cost(&self, traced: &TracedPass<'_>) -> Option<Counters> {
-        let count = self.scene.pixel_count();
-        let mut nobody_cares = vec![(); count];
+        let mut nobody_cares = vec![(); self.scene.pixel_count()];
         let step = Step { set: 0, sample: 0, samples: 1 };
         let (seen, photons) = traced.trace_seen(step.set)?;
         let mut looks = traced.look_at(seen, step, &mut nobody_cares, |_, ()| true, |(), _, _| {})?;
-        let Parameters { final_gather, camera_paths, maps, direct, .. } = &self.parameters;
-        let of_a_path =
-            u64::from(maps.get()) * (1 + u64::from(final_gather.get())) + u64::from(*direct != Direct::Sample);
-        let look_ups = u64::from(camera_paths.get()) * of_a_path;
-        looks.rays += count as u64 * look_ups * RAYS_PER_LOOKUP;
+        looks.rays += self.look_ups(&looks) * RAYS_PER_LOOKUP;
         let mut total = scaled(&photons, f64::from(self.choice.sets()));
         total += scaled(&looks, self.choice.mean_sets_of_a_pixel());
         Some(total)
+    }
+
+    /// Look-ups of one look of every pixel, which traced so many rays.
+    fn look_ups(&self, looks: &Counters) -> u64 {
+        let Parameters { final_gather, camera_paths, maps, direct, cache_error, .. } = &self.parameters;
+        let paths = self.scene.pixel_count() as u64 * u64::from(camera_paths.get());
+        let gathered = match cache_error.on() {
+            None => paths * (1 + u64::from(final_gather.get())),
+            // Nearly every ray is one of a record, and ends with a look-up.
+            Some(_) => looks.rays,
+        };
+        gathered * u64::from(maps.get()) + paths * u64::from(*direct != Direct::Sample)
     }
 }
 

@@ -13,6 +13,7 @@ pub mod emission_learning;
 pub mod first_radius;
 pub mod hit_point;
 pub mod importance_map;
+pub mod irradiance;
 pub mod kernel;
 pub mod light_path;
 pub mod light_plan;

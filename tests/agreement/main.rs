@@ -9,6 +9,7 @@ mod batches;
 mod caustic_splitting;
 mod formats;
 mod guided_emission;
+mod irradiance_cache;
 mod many_maps;
 mod materials;
 mod methods;

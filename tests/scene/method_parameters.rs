@@ -22,6 +22,15 @@ fn with(method: &str, name: &str, value: Value) -> Result<CheckedMethod, MethodE
     checked(method, parameters)
 }
 
+/// Some parameters are refused where another one leaves them nothing to say.
+fn with_what_it_needs(method: &str, name: &str, value: Value) -> Result<CheckedMethod, MethodError> {
+    let mut parameters = Map::from_iter([(name.to_owned(), value)]);
+    if name == "cache_rays" {
+        parameters.insert("cache_error".to_owned(), json!(0.2));
+    }
+    checked(method, parameters)
+}
+
 fn every_parameter() -> impl Iterator<Item = (&'static str, &'static ParameterHelp)> {
     METHODS.iter().flat_map(|entry| entry.parameters.iter().map(|parameter| (entry.name, parameter)))
 }
@@ -122,6 +131,26 @@ fn lengths_and_strategies_that_leave_nothing() {
     }
 }
 
+/// What would be taken and do nothing is refused.
+#[test]
+fn irradiance_caches_that_contradict_other_parameters() {
+    let refused = |parameters: Value, expected: &str| {
+        let given = parameters.as_object().expect("an object").clone();
+        let error = checked("photon_map", given).expect_err("refused").to_string();
+        assert_eq!(error, format!("method \"photon_map\": {expected}"));
+    };
+    let no_cache = "\"cache_rays\" is 64, and without \"cache_error\" there is no irradiance cache; \
+        give \"cache_error\" too, for example 0.2";
+    refused(json!({"cache_rays": 64}), no_cache);
+    refused(json!({"cache_rays": 64, "cache_error": "off"}), no_cache);
+    let no_gathering = "\"cache_error\" is 0.3, and with \"final_gather\" 0 no rays gather what it keeps; \
+        give \"final_gather\" at least 1";
+    refused(json!({"cache_error": 0.3, "final_gather": 0}), no_gathering);
+    for taken in [json!({"cache_error": 0.3}), json!({"cache_error": 0.3, "cache_rays": 64, "final_gather": 1})] {
+        assert!(checked("photon_map", taken.as_object().expect("an object").clone()).is_ok(), "{taken}");
+    }
+}
+
 #[test]
 fn ranges_are_what_help_says() {
     let mut seen = 0;
@@ -129,7 +158,7 @@ fn ranges_are_what_help_says() {
         let (within, outside) = probes(parameter.range);
         assert!(!within.is_empty(), "{method}.{} allows nothing", parameter.name);
         for value in within {
-            let found = with(method, parameter.name, value.clone());
+            let found = with_what_it_needs(method, parameter.name, value.clone());
             let found = found.unwrap_or_else(|error| panic!("{method}.{} = {value}: {error}", parameter.name));
             let written = &found.choice.parameters[parameter.name];
             // How many photons `auto` is follows from the picture's size alone, so it is written out as a number.
@@ -205,6 +234,8 @@ fn checked_methods_are_stored_as_ever() {
         assert_eq!(parameters.remove("emission"), has_photons.then(|| json!("power")), "{name}");
         assert_eq!(parameters.remove("occlusion"), has_photons.then(|| json!("off")), "{name}");
         assert_eq!(parameters.remove("light_picks"), Some(json!("importance")), "{name}");
+        assert_eq!(parameters.remove("cache_error"), (name == "photon_map").then(|| json!("off")), "{name}");
+        assert_eq!(parameters.remove("cache_rays"), (name == "photon_map").then(|| json!("auto")), "{name}");
         assert_eq!(parameters.remove("structure"), (name == "photon_map").then(|| json!("grid")), "{name}");
         assert_eq!(written, record, "{name}");
         let mut other = record.clone();

@@ -3,22 +3,34 @@
 use super::TwoPasses;
 use super::direct_light::DirectRow;
 use super::first_pass::Maps;
+use super::irradiance_cache::PassCache;
 use super::look_up::LookUp;
+use super::second_pass::Seen;
 use crate::math::Rgb;
 use crate::math::random::{PathRandom, dimension, spread};
+use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
+use crate::transport::irradiance::Arrival;
 use crate::transport::photon_map::{LightLookup, Nearest, OriginLookup};
-use crate::transport::{Counters, shading};
+use crate::transport::shading::{self, Scattering};
 
 /// What a thread needs to look at pixels.
 pub(super) struct LocalPass<'a, P, D> {
     pub(super) method: &'a TwoPasses,
-    pub(super) maps: &'a Maps<Vec<P>>,
-    pub(super) direct: DirectRow<'a, D>,
-    pub(super) found: Nearest,
+    maps: &'a Maps<Vec<P>>,
+    direct: DirectRow<'a, D>,
+    /// Irradiance on matte surfaces, if it is cached.
+    cache: Option<&'a PassCache>,
+    found: Nearest,
 }
 
-impl<P: OriginLookup, D: LightLookup> LocalPass<'_, P, D> {
+impl<'a, P: OriginLookup, D: LightLookup> LocalPass<'a, P, D> {
+    /// For a row of pixels.
+    pub(super) fn new(method: &'a TwoPasses, seen: &'a Seen<P, D>, cache: Option<&'a PassCache>) -> Self {
+        let Seen { maps, direct } = seen;
+        Self { method, maps, direct: DirectRow::new(method, direct), cache, found: Nearest::default() }
+    }
+
     /// Radiance that a camera path sees.
     pub(super) fn pixel(&mut self, pixel: [u32; 2], random: &PathRandom, counters: &mut Counters) -> Rgb {
         let TwoPasses { scene, limits, .. } = self.method;
@@ -57,6 +69,9 @@ impl<P: OriginLookup, D: LightLookup> LocalPass<'_, P, D> {
         if rays == 0 {
             return at.throughput * self.look_up(&self.method.global, &self.maps.global, at, counters);
         }
+        if let Some(reflected) = self.cache.and_then(|cache| cache.reflected(self.method, at)) {
+            return at.throughput * reflected;
+        }
         let [shift_x, shift_y, ..] = random.block(dimension::scattering(at.segments));
         let sum: Rgb = (0..rays)
             .map(|ray| {
@@ -71,17 +86,32 @@ impl<P: OriginLookup, D: LightLookup> LocalPass<'_, P, D> {
 
     /// Indirect light along one ray that is sampled at `from` with `u`, as the camera sees it.
     fn gather_ray(&mut self, from: &GatherPoint, u: [f32; 4], random: &PathRandom, counters: &mut Counters) -> Rgb {
-        let TwoPasses { scene, limits, global, .. } = self.method;
+        let scene = &self.method.scene;
         let material = scene.material(from.hit.shape);
-        let Some(scattering) = shading::scatter(&from.hit, material, &from.view(), [u[0], u[1], u[2]]) else {
-            return Rgb::ZERO;
-        };
-        let mut walk = CameraWalk::gathering(scene, from, &scattering);
-        if !walk.walk.survives(limits, u[3]) {
-            return Rgb::ZERO;
+        match shading::scatter(&from.hit, material, &from.view(), [u[0], u[1], u[2]]) {
+            Some(scattering) => self.gather_along(from, &scattering, u[3], random, counters).radiance,
+            None => Rgb::ZERO,
         }
-        let mut seen = Rgb::ZERO;
+    }
+
+    /// Indirect light along the ray that leaves `from` by `scattering` unless roulette with `u` ends it, as the camera sees it, and
+    /// the length of the path to the first surface that gathers.
+    pub(super) fn gather_along(
+        &mut self,
+        from: &GatherPoint,
+        scattering: &Scattering,
+        u: f32,
+        random: &PathRandom,
+        counters: &mut Counters,
+    ) -> Arrival {
+        let TwoPasses { scene, limits, global, .. } = self.method;
+        let mut walk = CameraWalk::gathering(scene, from, scattering);
+        if !walk.walk.survives(limits, u) {
+            return Arrival::NOTHING;
+        }
+        let (mut seen, mut distance) = (Rgb::ZERO, f32::INFINITY);
         trace_camera_path(scene, walk, random, limits, &mut seen, counters, |at, seen, counters| {
+            distance = distance.min(at.path_length - from.path_length);
             let is_near = at.hit.position.distance_squared(from.hit.position) < global.estimate.largest_radius_squared;
             if at.goes_on || is_near {
                 *seen += self.direct_and_caustic(at, random, counters);
@@ -96,7 +126,7 @@ impl<P: OriginLookup, D: LightLookup> LocalPass<'_, P, D> {
                 };
             }
         });
-        seen
+        Arrival { radiance: seen, distance }
     }
 
     /// Radiance that the point's lobes reflect of the photons in `maps`: the mean of what each map estimates, weighted by its photons.

@@ -4,7 +4,7 @@ use super::storage::Storage;
 use crate::method::FindsNothing;
 use crate::method::bounded_numbers::bounded;
 use crate::method::parameter_values::{
-    Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, Switch,
+    Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, Switch, Switchable,
 };
 use crate::method::parameters::{ParameterValue, parameter, parameters};
 use crate::method::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
@@ -111,6 +111,16 @@ impl ParameterValue for Direct {
     const RANGE: &'static str = "sample, photons, shadow_photons, photon_direct";
 }
 
+bounded! {
+    /// a, the largest error of interpolated irradiance.
+    pub(super) struct CacheError(f64) or Switchable, [0.001 to 1.0]
+}
+
+bounded! {
+    /// Gather rays of a record.
+    pub(super) struct CacheRays(u32) or Auto, [16 to 4096]
+}
+
 /// The structure that photons are looked up in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -214,6 +224,13 @@ parameters! {
             GatherRays::new(4).expect("in range"),
             "4",
         ),
+        cache_error: Switchable<CacheError> = parameter(
+            "irradiance cache: error that interpolation on matte surfaces may have, Ward's a",
+            Switchable::Off,
+            "off",
+        ),
+        cache_rays: Auto<CacheRays> =
+            parameter("irradiance cache: gather rays of a record", Auto::Auto, "auto: 256"),
         structure: Structure =
             parameter("what photons are looked up in: cells or a balanced tree", Structure::Grid, "grid"),
         maps: MapCount = parameter(
@@ -272,6 +289,38 @@ parameters! {
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = RR_DEPTH,
         passes: Passes = PASSES,
+    }
+}
+
+/// Gather rays of a record where the user named no number.
+const AUTOMATIC_CACHE_RAYS: u32 = 256;
+
+impl Parameters {
+    /// Gather rays of a record.
+    pub(super) fn rays_per_record(&self) -> u32 {
+        match self.cache_rays {
+            Auto::Auto => AUTOMATIC_CACHE_RAYS,
+            Auto::Value(rays) => rays.get(),
+        }
+    }
+
+    /// How parameters of the irradiance cache contradict others, if they do.
+    pub(super) fn contradiction_of_cache(&self) -> Option<FindsNothing> {
+        match (self.cache_error, self.cache_rays) {
+            (Switchable::Off, Auto::Value(rays)) => refused(
+                format!("\"cache_rays\" is {}, and without \"cache_error\" there is no irradiance cache", rays.get()),
+                "give \"cache_error\" too, for example 0.2",
+            ),
+            (Switchable::On(error), _) if self.final_gather.get() == 0 => refused(
+                format!("\"cache_error\" is {}, and with \"final_gather\" 0 no rays gather what it keeps", error.get()),
+                "give \"final_gather\" at least 1",
+            ),
+            (Switchable::On(_), _) if self.skipping.get() > 1 || self.hierarchy.get() > 0 => refused(
+                "\"cache_error\" needs one set of maps that all pixels look at".to_owned(),
+                "leave \"skipping\" and \"hierarchy\" out",
+            ),
+            _ => None,
+        }
     }
 }
 

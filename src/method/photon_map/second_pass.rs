@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::TwoPasses;
-use super::direct_light::{DirectLight, DirectRow};
+use super::direct_light::DirectLight;
 use super::first_pass::Maps;
 use super::hierarchy::{Hierarchy, Node};
 use super::local_pass::LocalPass;
@@ -20,7 +20,7 @@ use crate::method::Pass;
 use crate::method::photon_pass::add_to_tally;
 use crate::transport::Counters;
 use crate::transport::photon_map::{
-    Gathered, KdTree, LightLookup, LightPhoton, LightSegment, Nearest, OriginLookup, OriginPhoton, PhotonMap,
+    Gathered, KdTree, LightLookup, LightPhoton, LightSegment, OriginLookup, OriginPhoton, PhotonMap,
 };
 
 /// Which pixels look at which sets of maps.
@@ -220,9 +220,10 @@ impl TracedPass<'_> {
         let width = method.scene.width;
         let paths = method.parameters.camera_paths.get();
         let random = PassRandom::of_pixels(method.seed, self.streams[1], pass.index);
+        let (cache, mut total) =
+            method.cache_irradiance(seen, &random.part(step.sample * paths, step.samples * paths), cancel);
         let trace_row = |(row, pixels): (usize, &mut [T])| {
-            let direct = DirectRow::new(method, &seen.direct);
-            let mut gathering = LocalPass { method, maps: &seen.maps, direct, found: Nearest::default() };
+            let mut gathering = LocalPass::new(method, seen, cache.as_ref());
             let mut counters = Counters::default();
             if cancel.load(Ordering::Relaxed) {
                 return counters;
@@ -239,7 +240,6 @@ impl TracedPass<'_> {
             counters
         };
         let counters: Vec<Counters> = pixels.par_chunks_mut(width as usize).enumerate().map(trace_row).collect();
-        let mut total = Counters::default();
         counters.into_iter().for_each(|counters| total += counters);
         total
     }
