@@ -51,22 +51,27 @@ fn lights_are_picked_as_often_as_their_probabilities_say() {
     // One group of lamps, and several; whatever is known of occlusion.
     for (count, hides) in [0, 1, 30, 1000].into_iter().flat_map(|count| [(count, false), (count, true)]) {
         let importances = importances(count);
-        let picks = ImportanceSampler::new(&importances, 1e-3);
-        let share = |light: usize| numbers(light as u32)[3].powi(4).max(1e-6);
-        let shares = hides.then(|| picks.arrange(&(0..importances.len()).map(share).collect::<Vec<f32>>()));
-        let shares = shares.as_deref();
+        // A third of the lamps are left out.
+        let share = |light: usize| match light % 3 {
+            0 if light < count => 0.0,
+            _ => numbers(light as u32)[3].powi(4).max(1e-6),
+        };
+        let picks = match hides {
+            false => ImportanceSampler::new(&importances, 1e-3),
+            true => ImportanceSampler::of_shares(&importances, 1e-3, share),
+        };
         for position in [Vec3::splat(10.0), Vec3::new(3.0, 19.0, -1.0), Vec3::new(500.0, 0.0, 40.0)] {
             let place = position.into();
             let mut found = vec![0u32; importances.len()];
             for step in 0..STEPS {
                 let u = (step as f32 + 0.5) / STEPS as f32;
-                let (light, probability) = picks.pick(&place, shares, u).expect("there are lights outside");
+                let (light, probability) = picks.pick(&place, u).expect("there are lights outside");
                 found[light] += 1;
-                let told = picks.probability(&place, shares, light);
+                let told = picks.probability(&place, light);
                 assert!((probability - told).abs() <= 1e-5 * told, "light {light}: {probability} and {told}");
             }
             for (light, found) in found.into_iter().enumerate() {
-                let (share, told) = (found as f32 / STEPS as f32, picks.probability(&place, shares, light));
+                let (share, told) = (found as f32 / STEPS as f32, picks.probability(&place, light));
                 // A step more or less at either end, and rounding of the running sum.
                 assert!((share - told).abs() < 5e-5, "{count} lamps, light {light} at {position}: {share} and {told}");
             }
@@ -79,13 +84,14 @@ fn near_and_bright_lamps_are_picked_more_often() {
     let lamp = |x: f32, intensity| {
         LightImportance::Near(Lamp { center: Vec3::X * x, radius: 0.0, intensity, aim: Aim::Everywhere })
     };
-    let picks = ImportanceSampler::new(&[lamp(1.0, 1.0), lamp(2.0, 1.0), lamp(2.0, 8.0)], 1e-3);
-    let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), None, light));
+    let lamps = [lamp(1.0, 1.0), lamp(2.0, 1.0), lamp(2.0, 8.0)];
+    let picks = ImportanceSampler::new(&lamps, 1e-3);
+    let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), light));
     let expected = [4.0 / 13.0, 1.0 / 13.0, 8.0 / 13.0];
     assert!((0..3).all(|light| (found[light] - expected[light]).abs() < 1e-6), "{found:?}");
     // The brightest is seen from an eighth of the places.
-    let shares = picks.arrange(&[1.0, 1.0, 0.125]);
-    let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), Some(&shares), light));
+    let picks = ImportanceSampler::of_shares(&lamps, 1e-3, |light| if light == 2 { 0.125 } else { 1.0 });
+    let found = [0, 1, 2].map(|light| picks.probability(&Vec3::ZERO.into(), light));
     let expected = [4.0 / 6.0, 1.0 / 6.0, 1.0 / 6.0];
     assert!((0..3).all(|light| (found[light] - expected[light]).abs() < 1e-6), "{found:?}");
 }
@@ -226,7 +232,7 @@ fn every_light_that_arrives_can_be_picked() {
         let [u, v, ..] = numbers(2 * index);
         let (u, place) = ([u, v], (place(2 * index + 1) - 0.5) * 8.0);
         for (index, light) in lights.iter().enumerate() {
-            let can_be_picked = picks.probability(&place.into(), None, index) > 0.0;
+            let can_be_picked = picks.probability(&place.into(), index) > 0.0;
             if light.sample_direct(&scene.geometry, place, u).is_some() {
                 arrived += 1;
                 assert!(can_be_picked, "light {index} arrives at {place} and is never picked");
@@ -251,7 +257,7 @@ fn every_light_over_the_horizon_can_be_picked() {
         let surface = scene.place(&hit);
         let facing = hit.geometric_normal * hit.outgoing.dot(hit.geometric_normal).signum();
         for (index, light) in lights.iter().enumerate() {
-            let can_be_picked = picks.probability(&surface, None, index) > 0.0;
+            let can_be_picked = picks.probability(&surface, index) > 0.0;
             let sample = light.sample_direct(&scene.geometry, surface.position, [u, v]);
             if sample.is_some_and(|sample| sample.direction.dot(facing) > 1e-4) {
                 arrived += 1;
