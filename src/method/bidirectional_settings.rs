@@ -7,7 +7,7 @@ use super::parameter_values::{
     All, Auto, Depth, Emission, LightPicks, PathLength, RouletteDepth, Subpaths, Switch, limits,
 };
 use super::visibility_pilot::LightSampling;
-use super::{FindsNothing, PreparedMethod, Strategy};
+use super::{Contradiction, PreparedMethod, Strategy};
 use crate::scene::Scene;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
@@ -121,13 +121,13 @@ impl PassSettings {
     }
 
     /// Why no path counts, if `length` and `strategy` leave none.
-    pub fn finds_nothing(&self) -> Option<FindsNothing> {
+    pub fn contradiction(&self) -> Option<Contradiction> {
         let Self { limits, selection, .. } = *self;
         if let (Some(length), Some(limit)) = (selection.length, limits.max_depth)
             && length > limit
         {
             let problem = format!("\"length\" is {length}, and \"max_depth\" allows {limit} segments");
-            return Some(FindsNothing { problem, remedy: format!("give a length of at most {limit}") });
+            return Some(Contradiction { problem, remedy: format!("give a length of at most {limit}") });
         }
         match (selection.strategy, selection.length) {
             (None, None) => None,
@@ -135,7 +135,7 @@ impl PassSettings {
                 let found = length == 1 || self.techniques.strategies(length).next().is_some();
                 let problem = format!("no paths of {length} segments are found");
                 let remedy = "switch a way of finding them on".to_owned();
-                (!found).then_some(FindsNothing { problem, remedy })
+                (!found).then_some(Contradiction { problem, remedy })
             }
             (Some(strategy), _) => (!self.finds(strategy)).then(|| self.no_such_strategy(strategy)),
         }
@@ -153,7 +153,7 @@ impl PassSettings {
         })
     }
 
-    fn no_such_strategy(&self, [light, camera]: [u32; 2]) -> FindsNothing {
+    fn no_such_strategy(&self, [light, camera]: [u32; 2]) -> Contradiction {
         let Self { techniques, limits, selection, .. } = *self;
         let vertices = u64::from(light) + u64::from(camera);
         let nearest = vertices.clamp(3, 6) as u32 - 1;
@@ -161,7 +161,7 @@ impl PassSettings {
         let known: Vec<String> =
             techniques.strategies(segments).take(8).map(|[light, camera]| format!("{light},{camera}")).collect();
         let of_length = selection.length.map_or(String::new(), |length| format!(" of {length} segments"));
-        FindsNothing {
+        Contradiction {
             problem: format!("no path{of_length} is found with the strategy {light},{camera}"),
             remedy: format!("those of {segments} segments are {}", known.join(" ")),
         }

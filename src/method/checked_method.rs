@@ -54,7 +54,7 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
     }
 
     /// Why no path at all counts, or how parameters contradict each other or are left without effect, if so.
-    fn finds_nothing(&self) -> Option<FindsNothing> {
+    fn contradiction(&self) -> Option<Contradiction> {
         None
     }
 
@@ -64,7 +64,7 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
 
 /// Parameters that together leave no path that counts, contradict each other, or are left without effect.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FindsNothing {
+pub struct Contradiction {
     /// What is wrong with them.
     pub problem: String,
     /// What to give instead.

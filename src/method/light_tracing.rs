@@ -16,7 +16,7 @@ use super::bidirectional_settings::{PassSettings, Paths};
 use super::parameter_values::{All, Depth, Emission, Passes, PathLength, RouletteDepth, one_per_pixel};
 use super::parameters::{ParameterSet, parameters, read_method};
 use super::shared_parameters::{LENGTH, MAX_DEPTH, PASSES, SUBPATH_EMISSION, SUBPATH_RR_DEPTH};
-use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
+use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Show, Techniques};
 
@@ -74,8 +74,8 @@ impl ParameterizedMethod for Parameters {
         self.emission != Emission::Power
     }
 
-    fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.settings().finds_nothing()
+    fn contradiction(&self) -> Option<Contradiction> {
+        self.settings().contradiction()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

@@ -37,7 +37,7 @@ use crate::transport::Counters;
 pub use crate::scene::light::emission_guide::MOST_VALUES as MOST_GUIDE_VALUES;
 pub use crate::scene::light::visibility::MOST_VALUES as MOST_VISIBILITY_VALUES;
 
-pub use checked_method::{CheckedMethod, FindsNothing, Gathering, ParameterizedMethod};
+pub use checked_method::{CheckedMethod, Contradiction, Gathering, ParameterizedMethod};
 pub use parameters::ParameterHelp;
 
 /// One method of the table.
@@ -272,8 +272,8 @@ pub fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
 /// An unknown method, parameters that it cannot take, and such that leave no path to find.
 pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
     let method = CheckedMethod::new(choice, pixels)?;
-    match method.parameters.finds_nothing() {
-        Some(FindsNothing { problem, remedy }) => {
+    match method.parameters.contradiction() {
+        Some(Contradiction { problem, remedy }) => {
             Err(MethodError::Parameter { method: method.entry.name, problem, remedy })
         }
         None => Ok(method),

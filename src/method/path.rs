@@ -20,7 +20,7 @@ use super::parameter_values::{All, Depth, LightPicks, Passes, PathLength, Roulet
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{HEURISTIC, LENGTH, LIGHT_PICKS, MAX_DEPTH, PASSES, SUBPATH_RR_DEPTH};
 use super::visibility_pilot::LightSampling;
-use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
+use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
@@ -94,8 +94,8 @@ impl ParameterizedMethod for Parameters {
         self.light_sampling.is_on().then(|| self.settings().light_sampling(self.light_picks))
     }
 
-    fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.settings().finds_nothing()
+    fn contradiction(&self) -> Option<Contradiction> {
+        self.settings().contradiction()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

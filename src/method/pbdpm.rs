@@ -26,7 +26,7 @@ use super::shared_parameters::{
     ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, OCCLUSION, PASSES,
     RADIUS_RULE, SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
-use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
+use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
 use crate::estimate::RadiusRule;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show};
@@ -105,8 +105,8 @@ impl ParameterizedMethod for Parameters {
         self.emission != Emission::Power
     }
 
-    fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.settings().finds_nothing()
+    fn contradiction(&self) -> Option<Contradiction> {
+        self.settings().contradiction()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

@@ -47,6 +47,7 @@
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
 //! falls as √(k/photons_per_pass). Memory: 36 bytes per stored photon, and again for each caustic one.
 
+mod contradictions;
 mod direct_light;
 mod first_pass;
 mod hierarchy;
@@ -55,7 +56,6 @@ mod local_pass;
 mod look_up;
 mod parameters;
 mod second_pass;
-mod splitting;
 mod storage;
 
 use std::sync::Arc;
@@ -72,7 +72,7 @@ use super::parameters::{ParameterSet, read_method};
 use super::photon_pass::PILOT_PASS;
 use super::visibility_pilot::LightSampling;
 use super::{
-    Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits,
+    Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits,
 };
 use crate::estimate::{PixelTally, Region};
 use crate::math::random::{PassRandom, Stream};
@@ -126,12 +126,8 @@ impl ParameterizedMethod for Parameters {
         )
     }
 
-    fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.contradiction()
-            .or_else(|| self.futile_look_ups())
-            .or_else(|| self.contradiction_of_splitting())
-            .or_else(|| self.unused_for_direct_light())
-            .or_else(|| self.contradiction_of_cache())
+    fn contradiction(&self) -> Option<Contradiction> {
+        self.first_contradiction()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

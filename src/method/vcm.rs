@@ -25,7 +25,7 @@ use super::shared_parameters::{
     SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
 };
 use super::visibility_pilot::LightSampling;
-use super::{Bias, FindsNothing, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
+use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
 use crate::estimate::RadiusRule;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
@@ -133,8 +133,8 @@ impl ParameterizedMethod for Parameters {
         self.emission != Emission::Power
     }
 
-    fn finds_nothing(&self) -> Option<FindsNothing> {
-        self.settings().finds_nothing()
+    fn contradiction(&self) -> Option<Contradiction> {
+        self.settings().contradiction()
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {

@@ -35,7 +35,7 @@ impl LightEnergies {
     /// Adds a photon of a light.
     pub fn add(&mut self, light: usize, flux: Rgb) {
         let energy = luminance(flux);
-        if !(energy > 0.0) {
+        if energy <= 0.0 {
             return;
         }
         self.total += energy;

@@ -43,6 +43,11 @@ fn rectangle(half: [f64; 2], middle: [f64; 3], normal: [f64; 3]) -> String {
     )
 }
 
+/// A floor, seen where the beam lights it.
+fn lit_floor() -> Arc<Scene> {
+    in_the_beam(&floor(), "0.3, 0.9, 0", "-0.5, 0, 0", 16.0)
+}
+
 fn floor() -> String {
     rectangle([1.0, 1.0], [0.0; 3], [0.0, 1.0, 0.0])
 }
@@ -67,7 +72,7 @@ fn analytic_the_arrival_angle_takes_light_off_the_dark_side_of_a_ridge() {
     let seen_at = |height: f64| in_the_beam(&shapes, "1, 0.25, 0", &format!("-0.5, {height}, 0"), 3.0);
     let (dark, lit) = (seen_at(0.25), seen_at(0.4));
     let look = |scene: &Arc<Scene>, test: &str| {
-        mean(scene, &format!(r#"{test}"photons_per_pass": 40000, "largest_radius": 0.1"#), 4)
+        mean(scene, &format!(r#"{test}"photons_per_pass": 40000, "largest_radius": 0.1"#), 64)
     };
     let leak = look(&dark, "");
     println!("the dark side of a ridge: {leak:.4} of the floor's radiance");
@@ -84,13 +89,13 @@ fn analytic_the_arrival_angle_takes_light_off_the_dark_side_of_a_ridge() {
 #[test]
 fn analytic_the_culling_plane_keeps_light_of_the_floor_off_a_shelf() {
     let shapes = floor() + &rectangle([0.5, 1.0], [0.5, 0.01, 0.0], [0.0, 1.0, 0.0]);
-    let shelf = in_the_beam(&shapes, "0.6, 0.5, 0", "0.05, 0.01, 0", 5.0);
+    let shelf = in_the_beam(&shapes, "0.6, 0.5, 0", "0.07, 0.01, 0", 5.0);
     let look = |test: &str| mean(&shelf, &format!(r#"{test}"photons_per_pass": 40000, "largest_radius": 0.1"#), 4);
     let leak = look("");
     println!("a shelf beside a lit floor: {leak:.4} of the floor's radiance");
-    assert!(leak > 0.05, "the test is blind: {leak}");
+    assert!(leak > 0.02, "the test is blind: {leak}");
     assert_eq!(look(r#""culling_plane": "on", "#), 0.0);
-    let floor = in_the_beam(&floor(), "0.8, 0.5, 0", "-0.5, 0, 0", 20.0);
+    let floor = lit_floor();
     let look = |test: &str| mean(&floor, &format!(r#"{test}"photons_per_pass": 40000"#), 2);
     assert_eq!(look(r#""culling_plane": "on", "arrival_angle": 90, "#), look(""), "a flat floor loses nothing");
 }
@@ -133,10 +138,9 @@ fn analytic_plausibility_tests_darken_a_sphere() {
 #[test]
 fn analytic_too_few_photons_lose_energy() {
     const RADIUS: f64 = 0.05;
-    let scene = in_the_beam(&floor(), "0.8, 0.5, 0", "-0.5, 0, 0", 20.0);
-    // The sun's photons start on the disc of the scene's bounding sphere.
-    let sphere = f64::from(scene.geometry.bounding_sphere().1);
-    let photons = (4.0 * (sphere / RADIUS).powi(2)).round();
+    let scene = lit_floor();
+    // The sun's photons start evenly on the 4 m² that it sees of the box around the scene.
+    let photons = (4.0 * 4.0 / (PI * RADIUS * RADIUS)).round();
     let look = |fewest: f64| {
         let parameters = format!(
             r#""photons_per_pass": {photons}, "largest_radius": {RADIUS}, "caustic_neighbors": 50, "fewest_photons": {fewest}"#
@@ -154,7 +158,7 @@ fn analytic_too_few_photons_lose_energy() {
 /// Where photons lie evenly, a k that is chosen by the centre of gravity has a bias, one by the mean direction has none.
 #[test]
 fn analytic_the_choice_of_k_on_an_even_floor() {
-    let scene = in_the_beam(&floor(), "0.8, 0.5, 0", "-0.5, 0, 0", 20.0);
+    let scene = lit_floor();
     let look = |choice: &str| {
         let parameters = format!(
             r#""photons_per_pass": 20000, "largest_radius": 0.2, "caustic_neighbors": 10, "neighbor_choice": "{choice}""#
@@ -186,7 +190,8 @@ fn agreement_the_choice_of_k_at_a_border() {
         "beside a border, missing and leaked: {fixed:.3?}, centre of gravity {gravity:.3?}, direction {direction:.3?}"
     );
     for chosen in [gravity, direction] {
-        assert!((0..2).all(|side| chosen[side] < 0.8 * fixed[side]), "{chosen:?} is hardly less than {fixed:?}");
+        let is_less = chosen[0] < 0.9 * fixed[0] && chosen[1] < 0.8 * fixed[1];
+        assert!(is_less, "{chosen:?} is hardly less than {fixed:?}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Every parameter of every method: what its help says of range and default is so, and checked methods are stored and read again.
 
-use photonfarm::method::{CheckedMethod, METHODS, MethodChoice, MethodError, ParameterHelp, check};
+use photonfarm::method::{CheckedMethod, METHODS, MethodChoice, MethodError, ParameterHelp, check, entry};
 use serde_json::{Map, Value, json};
 
 const PIXELS: u64 = 100_000;
@@ -24,10 +24,19 @@ fn with(method: &str, name: &str, value: Value) -> Result<CheckedMethod, MethodE
 
 /// Some parameters are refused where another one leaves them nothing to say.
 fn with_what_it_needs(method: &str, name: &str, value: Value) -> Result<CheckedMethod, MethodError> {
-    let mut parameters = Map::from_iter([(name.to_owned(), value)]);
-    if name == "cache_rays" {
-        parameters.insert("cache_error".to_owned(), json!(0.2));
-    }
+    let needed = match (name, value.as_str()) {
+        ("cache_rays", _) => json!({ "cache_error": 0.2 }),
+        ("direct_neighbors", _) => json!({ "direct": "photons" }),
+        ("direct_reuse", _) => json!({ "direct": "photon_direct" }),
+        ("splitting", _) => json!({ "caustic_splitting": 2 }),
+        ("coarsest_samples", _) => json!({ "hierarchy": 8, "finest_samples": 1 }),
+        ("finest_samples", _) => json!({ "hierarchy": 8, "coarsest_samples": 256 }),
+        ("localization", _) => json!({ "hierarchy": 8 }),
+        ("show", Some("localized")) => json!({ "hierarchy": 8, "localization": 25 }),
+        _ => json!({}),
+    };
+    let mut parameters = needed.as_object().expect("an object").clone();
+    parameters.insert(name.to_owned(), value);
     checked(method, parameters)
 }
 
@@ -66,7 +75,12 @@ fn probes(range: &str) -> (Vec<Value>, Vec<Value>) {
             let [Ok(low), Ok(high)] = [low, high].map(str::parse::<i64>) else {
                 let [low, high] = [low, high].map(|number| number.parse::<f64>().expect("a number"));
                 within.extend([json!(low), json!(high), json!(1)]);
-                outside.extend([json!(low * 0.9), json!(high * 1.1), json!(0), json!(-low)]);
+                outside.push(json!(high * 1.1));
+                outside.extend(if low == 0.0 {
+                    vec![json!(-0.125)]
+                } else {
+                    vec![json!(low * 0.9), json!(0), json!(-low)]
+                });
                 continue;
             };
             // 1e3 is a whole number as well as 1000.
@@ -234,9 +248,14 @@ fn checked_methods_are_stored_as_ever() {
         assert_eq!(parameters.remove("emission"), has_photons.then(|| json!("power")), "{name}");
         assert_eq!(parameters.remove("occlusion"), has_photons.then(|| json!("off")), "{name}");
         assert_eq!(parameters.remove("light_picks"), Some(json!("importance")), "{name}");
-        assert_eq!(parameters.remove("cache_error"), (name == "photon_map").then(|| json!("off")), "{name}");
-        assert_eq!(parameters.remove("cache_rays"), (name == "photon_map").then(|| json!("auto")), "{name}");
-        assert_eq!(parameters.remove("structure"), (name == "photon_map").then(|| json!("grid")), "{name}");
+        let known = entry(name).expect("a method of the table").parameters;
+        let then = record["choice"]["parameters"].as_object().expect("an object");
+        for later in known.iter().filter(|known| !then.contains_key(known.name)) {
+            let shown = later.default.split(':').next().expect("split yields at least one part");
+            let Some(written) = parameters.remove(later.name) else { continue };
+            let same = written == value(shown) || written.as_f64().is_some_and(|it| value(shown).as_f64() == Some(it));
+            assert!(same, "{name}: {} is {written}, and its default {shown}", later.name);
+        }
         assert_eq!(written, record, "{name}");
         let mut other = record.clone();
         other["passes"] = json!(7);

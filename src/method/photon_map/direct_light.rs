@@ -21,8 +21,8 @@ use super::look_up::LookUp;
 use super::parameters::{Direct, Parameters};
 use crate::math::random::{MOST_PARTS, PassRandom, PathRandom, Stream};
 use crate::math::{Rgb, Vec3};
+use crate::method::Pass;
 use crate::method::parameter_values::Auto;
-use crate::method::{FindsNothing, Pass};
 use crate::transport::Counters;
 use crate::transport::camera_walk::GatherPoint;
 use crate::transport::direct_light::{direct_light, planned_direct_light};
@@ -72,25 +72,6 @@ impl Parameters {
             look_up.estimate.largest_radius_squared = RadiusBounds::largest_squared(scene_radius);
         }
         look_up
-    }
-
-    /// A parameter that was given and means nothing for how direct light is found.
-    pub(super) fn unused_for_direct_light(&self) -> Option<FindsNothing> {
-        let (direct, usual) = (self.direct, Self::default());
-        let looks_up = direct != Direct::Sample;
-        let (name, users) = if self.direct_samples != usual.direct_samples && direct == Direct::Photons {
-            ("direct_samples", "\"sample\", \"shadow_photons\" or \"photon_direct\"")
-        } else if self.direct_neighbors != usual.direct_neighbors && !looks_up {
-            ("direct_neighbors", "\"photons\", \"shadow_photons\" or \"photon_direct\"")
-        } else if self.direct_reuse != usual.direct_reuse && direct != Direct::PhotonDirect {
-            ("direct_reuse", "\"photon_direct\"")
-        } else if self.maps.get() > 1 && looks_up {
-            ("maps", "\"sample\", since direct light is looked up in one map")
-        } else {
-            return None;
-        };
-        let problem = format!("\"{name}\" means nothing with this \"direct\"");
-        Some(FindsNothing { problem, remedy: format!("leave it out, or let \"direct\" be {users}") })
     }
 }
 

@@ -161,9 +161,11 @@ mod tests {
     #[test]
     fn every_pixel_is_a_node_of_one_level_below_its_parents() {
         for hierarchy in hierarchies() {
-            let levels = 0..hierarchy.samples.len();
-            let mut nodes: Vec<u32> = levels.clone().flat_map(|level| hierarchy.nodes(level)).collect();
-            assert!(levels.into_iter().all(|level| hierarchy.nodes(level).all(|x| hierarchy.level(x) == level)));
+            let mut nodes = Vec::new();
+            for level in 0..hierarchy.samples.len() {
+                nodes.extend(hierarchy.nodes(level));
+                assert!(hierarchy.nodes(level).all(|x| hierarchy.level(x) == level), "{hierarchy:?}: level {level}");
+            }
             nodes.sort_unstable();
             assert_eq!(nodes, Vec::from_iter(0..hierarchy.width), "{hierarchy:?}");
             for x in 0..hierarchy.width {
@@ -213,7 +215,7 @@ mod tests {
     #[test]
     fn all_levels_together_are_the_function() {
         for hierarchy in hierarchies() {
-            let function = |x: u32, _| if x % 7 < 3 { x as f32 } else { 40.0 - 2.0 * x as f32 };
+            let function = |x: u32, _: u32| if x % 7 < 3 { x as f32 } else { 40.0 - 2.0 * x as f32 };
             for (x, found) in (0..).zip(reconstructed(&hierarchy, function)) {
                 assert!((found - function(x, 0)).abs() < 1e-3, "{hierarchy:?}: {found} at {x}");
             }

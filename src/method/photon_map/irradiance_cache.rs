@@ -12,9 +12,11 @@ use rayon::prelude::*;
 
 use super::TwoPasses;
 use super::local_pass::LocalPass;
+use super::parameters::Parameters;
 use super::second_pass::Seen;
 use crate::math::random::{PassRandom, PathRandom, dimension};
 use crate::math::{Frame, Rgb, Vec3, warp};
+use crate::method::parameter_values::Auto;
 use crate::scene::Scene;
 use crate::scene::material::MaterialSample;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
@@ -30,6 +32,9 @@ use crate::transport::{Counters, Limits};
 const SPACINGS: [u32; 5] = [16, 8, 4, 2, 1];
 /// A record reaches at least so many radii of a pixel's footprint.
 const LEAST_REACH: f32 = 4.0;
+
+/// Gather rays of a record where the user named no number.
+const AUTOMATIC_CACHE_RAYS: u32 = 256;
 
 /// Irradiance on the matte surfaces that a pass sees.
 pub(super) struct PassCache {
@@ -67,6 +72,16 @@ impl PassCache {
             return Some(Rgb::ZERO);
         }
         Some(place.value * self.records.irradiance(&place.query)?)
+    }
+}
+
+impl Parameters {
+    /// Gather rays of a record.
+    fn rays_per_record(&self) -> u32 {
+        match self.cache_rays {
+            Auto::Auto => AUTOMATIC_CACHE_RAYS,
+            Auto::Value(rays) => rays.get(),
+        }
     }
 }
 

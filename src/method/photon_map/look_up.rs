@@ -1,11 +1,9 @@
 //! How a map is looked at.
 
 use super::parameters::Parameters;
-use crate::method::FindsNothing;
 use crate::method::parameter_values::Auto;
 use crate::transport::density_estimate::DensityEstimate;
 use crate::transport::first_radius::{FIRST_GATHER_PHOTONS, RadiusBounds};
-use crate::transport::neighbor_choice::NeighborChoice;
 use crate::transport::plausibility::Plausibility;
 
 /// How a map is looked at.
@@ -46,29 +44,9 @@ impl Parameters {
         look_up
     }
 
-    fn fewest_caustic_photons(&self) -> f64 {
+    /// Photons that a look-up of the caustic map must find, not rounded.
+    pub(super) fn fewest_caustic_photons(&self) -> f64 {
         self.fewest_photons.get() * f64::from(self.caustic_neighbors.get())
-    }
-
-    /// A parameter of look-ups that others leave without any effect.
-    pub(super) fn futile_look_ups(&self) -> Option<FindsNothing> {
-        let fewest = self.fewest_caustic_photons();
-        if fewest > 0.0 && fewest <= 1.0 {
-            let problem = format!(
-                "\"fewest_photons\" is {} of \"caustic_neighbors\" {}, and no look-up finds less than one photon and is bright",
-                self.fewest_photons.get(),
-                self.caustic_neighbors.get()
-            );
-            let remedy = format!("give more than {}, or 0", 1.0 / f64::from(self.caustic_neighbors.get()));
-            return Some(FindsNothing { problem, remedy });
-        }
-        let most = self.neighbors.get().max(self.caustic_neighbors.get());
-        (self.neighbor_choice != NeighborChoice::Fixed && most == 2).then(|| FindsNothing {
-            problem:
-                "\"neighbor_choice\" has nothing to choose from where \"neighbors\" and \"caustic_neighbors\" are 2"
-                    .to_owned(),
-            remedy: "give more neighbors, or \"fixed\"".to_owned(),
-        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Parameters of `photon_map`.
 
 use super::storage::Storage;
-use crate::method::FindsNothing;
+use crate::math::trigonometry::sin_cos_turn;
 use crate::method::bounded_numbers::bounded;
 use crate::method::parameter_values::{
     Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, Switch, Switchable,
@@ -61,7 +61,7 @@ bounded! {
 impl ArrivalAngle {
     /// Its cosine; `None` where every direction is allowed.
     pub(super) fn least_cosine(self) -> Option<f32> {
-        (self.get() < 180).then(|| (self.get() as f32).to_radians().cos())
+        (self.get() < 180).then(|| sin_cos_turn(self.get() as f32 / 360.0).1)
     }
 }
 
@@ -149,8 +149,10 @@ impl ParameterValue for ShownPart {
     const RANGE: &'static str = "radiance, localized";
 }
 
-const DEFAULT_COARSEST: LevelSamples = LevelSamples::new(38).expect("in range");
-const DEFAULT_FINEST: LevelSamples = LevelSamples::new(1).expect("in range");
+/// `coarsest_samples` where the user named none.
+pub(super) const DEFAULT_COARSEST: LevelSamples = LevelSamples::new(38).expect("in range");
+/// `finest_samples` where the user named none.
+pub(super) const DEFAULT_FINEST: LevelSamples = LevelSamples::new(1).expect("in range");
 
 impl ParameterValue for NeighborChoice {
     const RANGE: &'static str = "fixed, centre_of_gravity, mean_direction";
@@ -290,85 +292,4 @@ parameters! {
         rr_depth: RouletteDepth = RR_DEPTH,
         passes: Passes = PASSES,
     }
-}
-
-/// Gather rays of a record where the user named no number.
-const AUTOMATIC_CACHE_RAYS: u32 = 256;
-
-impl Parameters {
-    /// Gather rays of a record.
-    pub(super) fn rays_per_record(&self) -> u32 {
-        match self.cache_rays {
-            Auto::Auto => AUTOMATIC_CACHE_RAYS,
-            Auto::Value(rays) => rays.get(),
-        }
-    }
-
-    /// How parameters of the irradiance cache contradict others, if they do.
-    pub(super) fn contradiction_of_cache(&self) -> Option<FindsNothing> {
-        match (self.cache_error, self.cache_rays) {
-            (Switchable::Off, Auto::Value(rays)) => refused(
-                format!("\"cache_rays\" is {}, and without \"cache_error\" there is no irradiance cache", rays.get()),
-                "give \"cache_error\" too, for example 0.2",
-            ),
-            (Switchable::On(error), _) if self.final_gather.get() == 0 => refused(
-                format!("\"cache_error\" is {}, and with \"final_gather\" 0 no rays gather what it keeps", error.get()),
-                "give \"final_gather\" at least 1",
-            ),
-            (Switchable::On(_), _) if self.skipping.get() > 1 || self.hierarchy.get() > 0 => refused(
-                "\"cache_error\" needs one set of maps that all pixels look at".to_owned(),
-                "leave \"skipping\" and \"hierarchy\" out",
-            ),
-            _ => None,
-        }
-    }
-}
-
-impl Parameters {
-    /// How parameters that say which pixels look at which maps contradict each other, if they do.
-    pub(super) fn contradiction(&self) -> Option<FindsNothing> {
-        let maps = self.maps.get();
-        match self.photons_per_pass {
-            Auto::Value(photons) if photons.get() < maps => refused(
-                format!("\"maps\" is {maps}, and \"photons_per_pass\" has {} for all of them", photons.get()),
-                "give each map a photon at least",
-            ),
-            _ if self.hierarchy.get() == 0 => self.contradiction_without_hierarchy(),
-            _ => self.contradiction_with_hierarchy(),
-        }
-    }
-
-    /// What only a hierarchy has must not be given without one.
-    fn contradiction_without_hierarchy(&self) -> Option<FindsNothing> {
-        let given = [
-            ("coarsest_samples", self.coarsest_samples != DEFAULT_COARSEST),
-            ("finest_samples", self.finest_samples != DEFAULT_FINEST),
-            ("localization", self.localization.get() > 0),
-            ("show", self.show == ShownPart::Localized),
-        ];
-        let (name, _) = given.into_iter().find(|(_, is_given)| *is_given)?;
-        let remedy = "give \"hierarchy\" a number of levels, for example 8";
-        refused(format!("\"{name}\" says how levels are sampled, and \"hierarchy\" is 0"), remedy)
-    }
-
-    fn contradiction_with_hierarchy(&self) -> Option<FindsNothing> {
-        let (coarsest, finest) = (self.coarsest_samples.get(), self.finest_samples.get());
-        if self.skipping.get() > 1 {
-            let problem = "\"hierarchy\" and \"skipping\" both say which maps a pixel looks at";
-            return refused(problem.to_owned(), "leave one of them out");
-        }
-        if finest > coarsest {
-            let problem = format!("\"finest_samples\" is {finest}, and \"coarsest_samples\" is {coarsest}");
-            return refused(problem, "finer levels have at most as many samples as coarser ones");
-        }
-        if self.show == ShownPart::Localized && self.localization.get() == 0 {
-            let problem = "\"show\" is \"localized\", and \"localization\" is 0, so no pixel is";
-            return refused(problem.to_owned(), "give \"localization\" a contrast, for example 25");
-        }
-        None
-    }
-}
-
-fn refused(problem: String, remedy: &str) -> Option<FindsNothing> {
-    Some(FindsNothing { problem, remedy: remedy.to_owned() })
 }
