@@ -141,13 +141,13 @@ fn analytic_too_few_photons_lose_energy() {
     let scene = lit_floor();
     // The sun's photons start evenly on the 4 m² that it sees of the box around the scene.
     let photons = (4.0 * 4.0 / (PI * RADIUS * RADIUS)).round();
-    let look = |fewest: f64| {
+    let look = |fewest: u32| {
         let parameters = format!(
             r#""photons_per_pass": {photons}, "largest_radius": {RADIUS}, "caustic_neighbors": 50, "fewest_photons": {fewest}"#
         );
         mean(&scene, &parameters, 256)
     };
-    let [all, many] = [0.0, 0.1].map(look);
+    let [all, many] = [0, 10].map(look);
     // E[N; N ≥ 5] = 4·P(N ≥ 4) of a Poisson number of mean 4.
     let expected = 1.0 - (-4.0f64).exp() * (1.0 + 4.0 + 8.0 + 32.0 / 3.0);
     println!("four photons a disc: {all:.4}, where five are asked for {many:.4}; expected {expected:.4}");
@@ -201,11 +201,11 @@ fn parameters_of_look_ups_that_cannot_be() {
         (r#"{"arrival_angle": 0}"#, "\"arrival_angle\" is 0; allowed: 1 to 180"),
         (r#"{"arrival_angle": 181}"#, "\"arrival_angle\" is 181; allowed: 1 to 180"),
         (r#"{"culling_plane": true}"#, "\"culling_plane\" is true; allowed: on, off"),
-        (r#"{"fewest_photons": 1.5}"#, "\"fewest_photons\" is 1.5; allowed: 0.0 to 1.0"),
+        (r#"{"fewest_photons": 101}"#, "\"fewest_photons\" is 101; allowed: 0 to 100"),
         (
-            r#"{"fewest_photons": 0.1}"#,
-            "\"fewest_photons\" is 0.1 of \"caustic_neighbors\" 10, and no look-up finds less than one photon and is bright; \
-             give more than 0.1, or 0",
+            r#"{"fewest_photons": 10}"#,
+            "\"fewest_photons\" is 10 % of \"caustic_neighbors\" 10, and what finds less than one photon is black already; \
+             give more than 10, or 0",
         ),
         (
             r#"{"neighbor_choice": "gravity"}"#,

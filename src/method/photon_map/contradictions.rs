@@ -64,23 +64,23 @@ impl Parameters {
 
     /// A parameter of look-ups that others leave without any effect.
     fn of_look_ups(&self) -> Option<Contradiction> {
-        let fewest = self.fewest_caustic_photons();
-        if fewest > 0.0 && fewest <= 1.0 {
+        let (share, neighbors) = (self.fewest_photons.get(), self.caustic_neighbors.get());
+        if share > 0 && self.fewest_hundredths() <= 100 {
             let problem = format!(
-                "\"fewest_photons\" is {} of \"caustic_neighbors\" {}, and no look-up finds less than one photon and is bright",
-                self.fewest_photons.get(),
-                self.caustic_neighbors.get()
+                "\"fewest_photons\" is {share} % of \"caustic_neighbors\" {neighbors}, and what finds less than one photon is black already"
             );
-            let remedy = format!("give more than {}, or 0", 1.0 / f64::from(self.caustic_neighbors.get()));
-            return Some(Contradiction { problem, remedy });
+            return refused(problem, &format!("give more than {}, or 0", 100 / neighbors));
         }
         let most = self.neighbors.get().max(self.caustic_neighbors.get());
-        (self.neighbor_choice != NeighborChoice::Fixed && most == 2).then(|| Contradiction {
-            problem:
+        match self.neighbor_choice {
+            NeighborChoice::Fixed => None,
+            _ if most > 2 => None,
+            _ => refused(
                 "\"neighbor_choice\" has nothing to choose from where \"neighbors\" and \"caustic_neighbors\" are 2"
                     .to_owned(),
-            remedy: "give more neighbors, or \"fixed\"".to_owned(),
-        })
+                "give more neighbors, or \"fixed\"",
+            ),
+        }
     }
 
     /// A parameter that was given and means nothing for how direct light is found.

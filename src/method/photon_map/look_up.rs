@@ -40,13 +40,13 @@ impl Parameters {
     /// The same, black where it finds too few photons: a look-up of caustics.
     pub(super) fn caustic_look_up(&self, scene_radius: f32, photons_per_pass: u32) -> LookUp {
         let mut look_up = self.look_up(self.caustic_neighbors.get(), scene_radius, photons_per_pass);
-        look_up.estimate.fewest_photons = self.fewest_caustic_photons().ceil() as usize;
+        look_up.estimate.fewest_photons = self.fewest_hundredths().div_ceil(100) as usize;
         look_up
     }
 
-    /// Photons that a look-up of the caustic map must find, not rounded.
-    pub(super) fn fewest_caustic_photons(&self) -> f64 {
-        self.fewest_photons.get() * f64::from(self.caustic_neighbors.get())
+    /// The fewest photons that a look-up of caustics may find, in hundredths.
+    pub(super) fn fewest_hundredths(&self) -> u32 {
+        self.fewest_photons.get() * self.caustic_neighbors.get()
     }
 }
 

@@ -66,8 +66,8 @@ impl ArrivalAngle {
 }
 
 bounded! {
-    /// A share of k photons.
-    pub(super) struct ShareOfNeighbors(f64), [0.0 to 1.0]
+    /// A share of k photons, %.
+    pub(super) struct ShareOfNeighbors(u32), [0 to 100]
 }
 
 bounded! {
@@ -217,8 +217,8 @@ parameters! {
         culling_plane: Switch =
             parameter("whether photons behind the plane through a point do not count there", Switch::Off, "off"),
         fewest_photons: ShareOfNeighbors = parameter(
-            "look-ups of the caustic map that find less than this share of their photons within the largest radius are black",
-            ShareOfNeighbors::new(0.0).expect("in range"),
+            "look-ups of the caustic map that find less than so many % of their photons within the largest radius are black",
+            ShareOfNeighbors::new(0).expect("in range"),
             "0",
         ),
         final_gather: GatherRays = parameter(
