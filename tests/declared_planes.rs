@@ -27,6 +27,7 @@ fn methods_store_only_what_they_declare() {
         ("vcm", "{}", 128, 4),
         ("sppm", r#"{"photons_per_pass": 1000}"#, 128, 4),
         ("sppm", r#"{"photons_per_pass": 1000, "radius_rule": "schedule"}"#, 120, 3),
+        ("sppm", r#"{"photons_per_pass": 1000, "radius_rule": "uniformity"}"#, 176, 6),
         ("ppm", r#"{"photons_per_pass": 1000}"#, 128, 4),
         ("pbdpm", r#"{"photons_per_pass": 1000}"#, 128, 4),
         ("bdpm", r#"{"photons_per_pass": 1000}"#, 120, 3),
@@ -129,6 +130,7 @@ fn snapshots_restore_the_same_bits() {
     for (method, parameters) in [
         ("sppm", r#"{"photons_per_pass": 2000}"#),
         ("sppm", r#"{"photons_per_pass": 2000, "radius_rule": "schedule"}"#),
+        ("ppm", r#"{"photons_per_pass": 2000, "radius_rule": "uniformity"}"#),
         ("path", "{}"),
     ] {
         let job = Job::new(&scene, method, parameters);

@@ -9,7 +9,7 @@ use progressive::{Job, reference_scene};
 
 /// Relative error that the mean of the picture may have.
 const MEAN_BOUND: f64 = 0.003;
-/// With these all pictures together take about 40 seconds of one core. What is left is the bias of discs that reach over
+/// With these all pictures together take about 60 seconds of one core. What is left is the bias of discs that reach over
 /// edges; it falls with the radius, hence slowly with the passes.
 const PASSES: u32 = 24;
 const AUTO: &str = "\"auto\"";
@@ -18,8 +18,8 @@ const AUTO: &str = "\"auto\"";
 fn check_furnace(name: &str, radius: &str, photons: u32, block_bound: f64) {
     let scene = reference_scene(name);
     let white = Picture { width: scene.width, height: scene.height, radiance: vec![[1.0; 3]; scene.pixel_count()] };
-    let choices = [("sppm", "statistics"), ("sppm", "schedule"), ("ppm", "statistics"), ("ppm", "schedule")];
-    for (method, rule) in choices {
+    let rules = ["statistics", "schedule", "uniformity"];
+    for (method, rule) in ["sppm", "ppm"].into_iter().flat_map(|method| rules.map(|rule| (method, rule))) {
         let parameters =
             format!(r#"{{"radius_rule": "{rule}", "photons_per_pass": {photons}, "initial_radius": {radius}}}"#);
         let estimate = Job::new(&scene, method, &parameters).run(PASSES, 8);

@@ -169,7 +169,7 @@ fn merge_law_cuts_into_shards_do_not_matter_for_equal_passes() {
 #[test]
 fn merge_law_cuts_into_shards_keep_the_picture() {
     const ROWS: u32 = 16;
-    for rule in [RadiusRule::Statistics, RadiusRule::Schedule] {
+    for rule in [RadiusRule::Statistics, RadiusRule::Schedule, RadiusRule::Uniformity] {
         let tallies: Vec<Tally> = (0..24).map(|pass| invented_under(rule, 2 * pass, ROWS)).collect();
         let whole = merged_in_shards(&tallies, &[24], rule);
         for cut in CUTS {
@@ -208,6 +208,53 @@ fn merge_law_cuts_into_shards_hardly_change_the_radius() {
         assert!(worst < 0.2, "shards of {cut:?}: a radius² off by {worst}");
         assert!((mean - 1.0).abs() < 0.01, "shards of {cut:?}: mean radius² off by {mean}");
     }
+}
+
+/// What a pixel finds where photons lie evenly in its disc, or on one side of an edge through its middle. A disc of radius 1 holds 20 of an
+/// even floor on average.
+fn disc(radius_squared: f32, is_even: bool, pass: u32, index: u32) -> PixelTally {
+    let mut pixel = PixelTally::default();
+    for photon in 0..poisson(20.0 * f64::from(radius_squared), pass, index) as u32 {
+        let [angle, area, ..] = uniform(1000 + pass, index, photon);
+        let (sine, cosine) = (std::f32::consts::TAU * angle).sin_cos();
+        if is_even || cosine > 0.0 {
+            pixel.photons += 1.0;
+            pixel.flux = pixel.flux.map(|flux| flux + 1.0);
+            pixel.inner_flux += if area < 0.5 { 1.0 } else { 0.0 };
+            pixel.flux_slope = [pixel.flux_slope[0] + cosine, pixel.flux_slope[1] + sine];
+            pixel.squared_flux += 1.0;
+        }
+    }
+    pixel
+}
+
+/// By `uniformity` a radius shrinks in half of the passes where photons lie evenly; beside an edge as by `statistics`. Neither
+/// changes the density that is estimated.
+#[test]
+fn merge_law_uniformity_shrinks_only_uneven_discs() {
+    const ROWS: u32 = 64;
+    const PASSES: u32 = 256;
+    let run = |rule: RadiusRule, is_even: bool| {
+        let mut estimate = column(ROWS, rule);
+        for pass in 0..PASSES {
+            let field = estimate.radius_field(region(ROWS));
+            let radii = (0..).zip(&field.radius_squared);
+            let pixels: Vec<PixelTally> = radii.map(|(index, radius)| disc(*radius, is_even, pass, index)).collect();
+            estimate.merge(&tally_of(pass, rule, &pixels, PHOTONS), &field).expect("the tally fits");
+        }
+        let radii = mean_and_error(&estimate.pixels().iter().map(|pixel| pixel.radius_squared).collect::<Vec<_>>());
+        let density = |pixel: usize| estimate.sums(pixel, &BOTH).flux_density[0] / f64::from(PASSES);
+        (radii.0, mean_and_error(&(0..ROWS as usize).map(density).collect::<Vec<_>>()))
+    };
+    let [statistics, even, edge] =
+        [run(RadiusRule::Statistics, true), run(RadiusRule::Uniformity, true), run(RadiusRule::Uniformity, false)];
+    println!("R² after {PASSES} passes: statistics {}, even {}, beside an edge {}", statistics.0, even.0, edge.0);
+    assert!(even.0 > 2.5 * statistics.0, "an even disc shrank to {}", even.0);
+    assert!(edge.0 < 1.15 * statistics.0, "an uneven disc stayed at {}, by statistics {}", edge.0, statistics.0);
+    for ((_, (density, error)), expected) in [(statistics, 20.0), (even, 20.0), (edge, 10.0)] {
+        assert!((density - expected).abs() < 4.0 * error, "{density} ± {error} is not {expected}");
+    }
+    assert!(even.1.1 < 0.8 * statistics.1.1, "noise {} is hardly less than {}", even.1.1, statistics.1.1);
 }
 
 #[test]

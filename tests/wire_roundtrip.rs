@@ -34,6 +34,7 @@ fn tally() -> Tally {
         flux: [1e-30, 3.0e7, 1.0 / 3.0],
         photons: index as f32 * 1.5,
         inner_flux: 0.25 * index as f32,
+        ..PixelTally::default()
     };
     let pixels: Vec<PixelTally> = (0..REGION.pixel_count(700)).map(pixel).collect();
     Tally { scalars: vec![9.0, 8.0, 7.0, 6.0], ..Tally::from_pixels(SHARD, 700, &gathering(), &pixels) }

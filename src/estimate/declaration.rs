@@ -14,6 +14,11 @@ pub const FLUX: &str = "flux";
 pub const PHOTONS: &str = "photons";
 /// The plane of flux found inside half the disc's area, mean of the channels, W·sr⁻¹. The bias is estimated from it.
 pub const INNER_FLUX: &str = "inner_flux";
+/// The plane of flux, mean of the channels, times the direction from the disc's middle to where it was found, two channels, W·sr⁻¹.
+/// [`evenness`](super::evenness) is told from this and the next.
+pub const FLUX_SLOPE: &str = "flux_slope";
+/// The plane of the squares of what photons bring, mean of the channels each, W²·sr⁻².
+pub const SQUARED_FLUX: &str = "squared_flux";
 
 /// The scalar E: photons emitted, whether or not they were stored.
 pub const PHOTONS_EMITTED: &str = "photons_emitted";
@@ -32,7 +37,9 @@ pub enum PlaneRule {
     Sum,
     /// Flux that was gathered in a disc: Φ/R² is added; the mean is over π and the photons emitted.
     FluxOverRadius,
-    /// Photons found. Not kept as a sum: under [`RadiusRule::Statistics`] they shrink the pixel's radius.
+    /// The same of squared flux: Φ²/R⁴ is added; the mean is over the squares of π and the photons emitted.
+    SquaredFluxOverRadius,
+    /// Photons found. Not kept as a sum: they shrink the pixel's radius, where the [`RadiusRule`] follows them.
     Count,
     /// Values are added; the mean is over the sum of another plane (with one channel or as many as this one) or of a scalar. So what is
     /// known only up to a factor converges with the job. It is 0 while the denominator is 0.
@@ -112,7 +119,7 @@ impl PlaneDeclaration {
 
     /// Whether its values refer to the pixel's gather disc.
     pub fn needs_radius(&self) -> bool {
-        matches!(self.rule, PlaneRule::FluxOverRadius | PlaneRule::Count)
+        matches!(self.rule, PlaneRule::FluxOverRadius | PlaneRule::SquaredFluxOverRadius | PlaneRule::Count)
     }
 }
 
@@ -134,10 +141,14 @@ impl Declaration {
         let mut declaration = Self::with_radiance(radius_rule, alpha);
         let planes = &mut declaration.planes;
         planes.push(PlaneDeclaration::new(FLUX, 3, PlaneRule::FluxOverRadius, true));
-        if radius_rule == RadiusRule::Statistics {
+        if radius_rule.follows_photons() {
             planes.push(PlaneDeclaration::new(PHOTONS, 1, PlaneRule::Count, false));
         }
         planes.push(PlaneDeclaration::new(INNER_FLUX, 1, PlaneRule::FluxOverRadius, false));
+        if radius_rule == RadiusRule::Uniformity {
+            planes.push(PlaneDeclaration::new(FLUX_SLOPE, 2, PlaneRule::FluxOverRadius, false));
+            planes.push(PlaneDeclaration::new(SQUARED_FLUX, 1, PlaneRule::SquaredFluxOverRadius, false));
+        }
         declaration
     }
 
@@ -163,7 +174,7 @@ impl Declaration {
 
     /// Whether what pixels find shrinks their radii.
     pub fn shrinks_by_count(&self) -> bool {
-        self.radius_rule == RadiusRule::Statistics && self.counted().is_some()
+        self.radius_rule.follows_photons() && self.counted().is_some()
     }
 
     /// Checks that the declaration does not contradict itself.

@@ -214,7 +214,7 @@ impl Estimate {
         let region_pixels = tally.shard.region.pixel_count(self.width);
         let first = tally.shard.region.row_start as usize * self.width as usize + start;
         let all = self.pixel_count();
-        let mut inverse_used = [0.0; BLOCK];
+        let [mut inverse_used, mut kept] = [[0.0; BLOCK]; 2];
         let used = field.radius_squared.get(start..start + count).unwrap_or_default();
         inverse_used.iter_mut().zip(used).for_each(|(inverse, used)| *inverse = 1.0 / f64::from(*used));
         let sums = &mut self.twins[tally.shard.twin() as usize];
@@ -225,13 +225,17 @@ impl Estimate {
                 match declared.rule {
                     PlaneRule::Sum | PlaneRule::Ratio { .. } => add(&mut sums[place], found),
                     PlaneRule::FluxOverRadius => add_scaled(&mut sums[place], found, &inverse_used),
-                    PlaneRule::Count => {
-                        let (passes, alpha) = (tally.shard.passes, self.declaration.alpha);
-                        let shrinking = Shrinking { found, inverse_used: &inverse_used[..count], passes, alpha };
-                        self.radii.shrink(first, &shrinking);
-                    }
+                    PlaneRule::SquaredFluxOverRadius => add_scaled_twice(&mut sums[place], found, &inverse_used),
+                    PlaneRule::Count => {}
                 }
             }
+        }
+        if let Some(counted) = self.declaration.counted() {
+            // After the sums, which may decide whether a radius shrinks.
+            self.keep_shares(first, &mut kept[..count]);
+            let (found, passes) = (&tally.planes[counted][start..][..count], tally.shard.passes);
+            let (inverse_used, kept) = (&inverse_used[..count], &kept[..count]);
+            self.radii.shrink(first, &Shrinking { found, inverse_used, kept, passes });
         }
     }
 
@@ -249,7 +253,7 @@ impl Estimate {
             // Below that there is nothing to gather, and single precision has no such numbers: they would become 0.
             radius_squared: radii.iter().map(|radius| (*radius as f32).max(f32::MIN_POSITIVE)).collect(),
             base_pass: match self.declaration.radius_rule {
-                RadiusRule::Statistics => merged.map_or(0, RegionProgress::all_passes),
+                RadiusRule::Statistics | RadiusRule::Uniformity => merged.map_or(0, RegionProgress::all_passes),
                 RadiusRule::Schedule => 0,
             },
             typical_radius_squared: self.typical_radius_squared(),
@@ -271,4 +275,10 @@ fn add(sums: &mut [f64], found: &[f32]) {
 fn add_scaled(sums: &mut [f64], found: &[f32], inverse_used: &[f64]) {
     let sums = sums.iter_mut().zip(found).zip(inverse_used);
     sums.for_each(|((sum, found), inverse)| *sum += f64::from(*found) * inverse);
+}
+
+/// The same of squared flux.
+fn add_scaled_twice(sums: &mut [f64], found: &[f32], inverse_used: &[f64]) {
+    let sums = sums.iter_mut().zip(found).zip(inverse_used);
+    sums.for_each(|((sum, found), inverse)| *sum += f64::from(*found) * inverse * inverse);
 }

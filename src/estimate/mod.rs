@@ -6,6 +6,7 @@
 
 pub mod declaration;
 pub mod error;
+pub mod evenness;
 pub mod merging;
 pub mod picture;
 pub mod picture_files;

@@ -1,4 +1,4 @@
-//! Gather radii: the two rules by which they shrink, and the field that travels to workers.
+//! Gather radii: the rules by which they shrink, and the field that travels to workers.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,16 +11,27 @@ pub enum RadiusRule {
     Statistics,
     /// From the pass index alone (Knaus & Zwicker 2011, eq. 20). No radius field travels after the first.
     Schedule,
+    /// As by statistics, where the flux that the pixel found is not even; elsewhere not at all [`evenness`](super::evenness).
+    Uniformity,
+}
+
+impl RadiusRule {
+    /// Whether what pixels find decides their radii, so that a radius field travels every epoch.
+    pub fn follows_photons(self) -> bool {
+        self != Self::Schedule
+    }
 }
 
 /// `R²` after `passes` passes over `R²` before the first, for a pixel in a uniform photon density.
 ///
 /// Statistics, with N = αM after the first pass: `α·Π_{j=1}^{passes-1} (j+α)/(j+1)`.
 /// Schedule [KZ11]: `Π_{j=1}^{passes} (j+α)/(j+1)`, so pass index `i` (from 0) gathers with `shrinkage(i)`.
+/// Uniformity: 1.
 pub fn shrinkage(rule: RadiusRule, alpha: f64, passes: u32) -> f64 {
     let first = match rule {
         RadiusRule::Statistics => 0,
         RadiusRule::Schedule => 1,
+        RadiusRule::Uniformity => return 1.0,
     };
     (first..first + passes).map(|j| (f64::from(j) + alpha) / (f64::from(j) + 1.0)).product()
 }

@@ -128,6 +128,10 @@ impl Estimate {
             PlaneRule::FluxOverRadius => {
                 pixels.for_each(|(out, pixel)| *out += sum(plane, channel, pixel) * scale.per_photon);
             }
+            PlaneRule::SquaredFluxOverRadius => {
+                let per_photon_squared = scale.per_photon * scale.per_photon;
+                pixels.for_each(|(out, pixel)| *out += sum(plane, channel, pixel) * per_photon_squared);
+            }
             PlaneRule::Ratio { denominator } => {
                 let below = |pixel: usize| match self.declaration.plane(denominator) {
                     Some(below) => sum(below, channel.min(self.declaration.planes[below].channels - 1), pixel),
@@ -165,6 +169,11 @@ impl Estimate {
         let is_flux = |plane: &PlaneDeclaration| plane.rule == PlaneRule::FluxOverRadius;
         let index = self.declaration.plane(name).filter(|index| is_flux(&self.declaration.planes[*index]))?;
         Some(&self.twins[twin as usize][index])
+    }
+
+    /// The sums of any plane of one twin, all channels; `None` where it is not declared.
+    pub(super) fn plane_sums(&self, name: &str, twin: Twin) -> Option<&[f64]> {
+        Some(&self.twins[twin as usize][self.declaration.plane(name)?])
     }
 
     /// What decides a pixel's radius; 1 m² and no photons where the method gathers nothing.

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use bytemuck::{Pod, Zeroable};
 
 use super::declaration::{
-    Declaration, FLUX, INNER_FLUX, PHOTONS, PHOTONS_EMITTED, PlaneDeclaration, PlaneRule, RADIANCE, ScalarRule,
+    Declaration, FLUX, FLUX_SLOPE, INNER_FLUX, PHOTONS, PHOTONS_EMITTED, PlaneDeclaration, PlaneRule, RADIANCE,
+    SQUARED_FLUX, ScalarRule,
 };
 use super::shard::Shard;
 
@@ -24,10 +25,19 @@ pub struct PixelTally {
     pub photons: f32,
     /// Mean of the channels of the flux that was found inside half the disc's area, Σ Φ'ᵢ/ρᵢ, W·sr⁻¹. The bias is estimated from it.
     pub inner_flux: f32,
+    /// Σ over photons of their flux, mean of the channels, times the unit vector from the disc's middle to them, over ρᵢ, W·sr⁻¹. This and the
+    /// squares are summed where radii shrink by [`RadiusRule::Uniformity`](super::radius::RadiusRule).
+    pub flux_slope: [f32; 2],
+    /// Σ over photons of the square of their flux, mean of the channels, over ρᵢ², W²·sr⁻².
+    pub squared_flux: f32,
 }
 
+/// The words of a [`PixelTally`].
+const WORDS: usize = size_of::<PixelTally>() / size_of::<f32>();
+
 /// The planes that [`PixelTally`] has sums for, each with the place of its first channel and the number of channels.
-const ACCUMULATED: [(&str, usize, usize); 4] = [(RADIANCE, 0, 3), (FLUX, 3, 3), (PHOTONS, 6, 1), (INNER_FLUX, 7, 1)];
+const ACCUMULATED: [(&str, usize, usize); 6] =
+    [(RADIANCE, 0, 3), (FLUX, 3, 3), (PHOTONS, 6, 1), (INNER_FLUX, 7, 1), (FLUX_SLOPE, 8, 2), (SQUARED_FLUX, 10, 1)];
 
 /// What a shard returns.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +113,7 @@ impl Tally {
 
     /// The declared planes of accumulated pixels; planes that the accumulator has no sums for are 0.
     pub fn from_pixels(shard: Shard, width: u32, declaration: &Arc<Declaration>, pixels: &[PixelTally]) -> Self {
-        let words: &[[f32; 8]] = bytemuck::cast_slice(pixels);
+        let words: &[[f32; WORDS]] = bytemuck::cast_slice(pixels);
         let plane = |declared: &PlaneDeclaration| match accumulated(declared) {
             None => vec![0.0; declared.channels * pixels.len()],
             Some(first) => {
@@ -118,7 +128,7 @@ impl Tally {
 
     /// The inverse of [`Self::from_pixels`]; what is not declared is 0.
     pub fn pixels(&self) -> Vec<PixelTally> {
-        let mut words = vec![[0.0f32; 8]; self.shard.region.pixel_count(self.width)];
+        let mut words = vec![[0.0f32; WORDS]; self.shard.region.pixel_count(self.width)];
         for (declared, plane) in self.declaration.planes.iter().zip(&self.planes) {
             let Some(first) = accumulated(declared) else { continue };
             for (channel, values) in plane.chunks(words.len().max(1)).enumerate() {

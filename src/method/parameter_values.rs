@@ -264,6 +264,29 @@ impl ParameterValue for Weights {
 }
 
 impl ParameterValue for RadiusRule {
+    const RANGE: &'static str = "statistics, schedule, uniformity";
+}
+
+/// How the radii of merging shrink. It does not measure how evenly light lies in discs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MergingRadiusRule {
+    /// From what each pixel found.
+    Statistics,
+    /// From the pass index alone.
+    Schedule,
+}
+
+impl From<MergingRadiusRule> for RadiusRule {
+    fn from(rule: MergingRadiusRule) -> Self {
+        match rule {
+            MergingRadiusRule::Statistics => Self::Statistics,
+            MergingRadiusRule::Schedule => Self::Schedule,
+        }
+    }
+}
+
+impl ParameterValue for MergingRadiusRule {
     const RANGE: &'static str = "statistics, schedule";
 }
 

@@ -18,16 +18,15 @@ use std::sync::Arc;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings, Paths, photon_techniques};
 use super::parameter_values::{
-    All, Auto, Depth, Emission, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths, Switch,
-    Weights,
+    All, Auto, Depth, Emission, MergingRadiusRule, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth,
+    Subpaths, Switch, Weights,
 };
 use super::parameters::{ParameterSet, parameters, read_method};
 use super::shared_parameters::{
-    ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, OCCLUSION, PASSES,
-    RADIUS_RULE, SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
+    ALPHA, CAMERA_HITS, HEURISTIC, LENGTH, LIGHT_HITS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, MERGING_RADIUS_RULE,
+    OCCLUSION, PASSES, SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH, WEIGHTS,
 };
 use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, Strategy};
-use crate::estimate::RadiusRule;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show};
 use crate::transport::occlusion::Occlusion;
@@ -49,7 +48,7 @@ parameters! {
     /// Parameters of `pbdpm`.
     struct Parameters {
         alpha: OpenUnit = ALPHA,
-        radius_rule: RadiusRule = RADIUS_RULE,
+        radius_rule: MergingRadiusRule = MERGING_RADIUS_RULE,
         photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
         initial_radius: Auto<Radius> = MERGING_RADIUS,
         occlusion: Occlusion = OCCLUSION,
@@ -94,7 +93,7 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn gathering(&self) -> Gathering {
-        Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() }
+        Gathering::ShrinkingDiscs { rule: self.radius_rule.into(), alpha: self.alpha.get() }
     }
 
     fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {

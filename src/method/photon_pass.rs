@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::Pass;
 use super::parameter_values::{Auto, DirectLight, Emission};
-use crate::estimate::PixelTally;
+use crate::estimate::{PixelTally, RadiusRule};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::scene::Scene;
@@ -13,6 +13,7 @@ use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint, trace_camera_path};
 use crate::transport::direct_light::direct_light;
 use crate::transport::emission_learning::GuideParts;
+use crate::transport::evenness::Evenness;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
@@ -65,6 +66,15 @@ impl<'a> PhotonsOf<'a> {
     pub fn pass(pass: &Pass<'a>) -> Self {
         Self { stream: Stream::Photon, pass: pass.index, guide: pass.guide }
     }
+}
+
+/// What a pixel's discs hold in a pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Found {
+    /// As the camera sees it.
+    pub gathered: Gathered,
+    /// How evenly it lies; nothing but under [`RadiusRule::Uniformity`].
+    pub evenness: Evenness,
 }
 
 impl PhotonPasses {
@@ -122,6 +132,46 @@ impl PhotonPasses {
         match Sight::new(&self.scene, &point.hit, &receiver.query(counting), self.occlusion) {
             Some(sight) => gather_in_sight(&sight, map, &receiver, counting, counters).unwrap_or(gathered),
             None => gathered,
+        }
+    }
+
+    /// Adds what the disc around a gather point holds, of which the camera sees `throughput`; what the radius rule does not ask for is not measured.
+    #[inline]
+    pub fn add_gathered(
+        &self,
+        map: &PhotonMap<f32>,
+        (point, throughput): (&GatherPoint, Rgb),
+        (radius_squared, rule): (f32, RadiusRule),
+        found: &mut Found,
+        counters: &mut Counters,
+    ) {
+        let gathered = match rule {
+            RadiusRule::Statistics | RadiusRule::Schedule => self.gather(map, point, radius_squared, counters),
+            RadiusRule::Uniformity => {
+                let (gathered, evenness) = self.gather_measured(map, (point, throughput), radius_squared, counters);
+                found.evenness.add(&evenness);
+                gathered
+            }
+        };
+        found.gathered.add(&gathered, throughput);
+    }
+
+    /// [`gather`](Self::gather), and how evenly lies what the camera sees of it.
+    #[inline(never)]
+    fn gather_measured(
+        &self,
+        map: &PhotonMap<f32>,
+        (point, throughput): (&GatherPoint, Rgb),
+        radius_squared: f32,
+        counters: &mut Counters,
+    ) -> (Gathered, Evenness) {
+        let counting = self.counting(point, radius_squared);
+        let receiver = Receiver::new(&self.scene, &point.hit, point.view());
+        match Sight::new(&self.scene, &point.hit, &receiver.query(counting), self.occlusion) {
+            None => receiver.gather_measured(map, counting, throughput, |_| true),
+            Some(sight) => receiver.gather_measured(map, counting, throughput, |index| {
+                sight.accepts(&map.photon(index), map.extras()[index], counters)
+            }),
         }
     }
 
@@ -190,6 +240,16 @@ fn gather_in_sight(
     counters: &mut Counters,
 ) -> Option<Gathered> {
     receiver.gather_some(map, counting, |index| sight.accepts(&map.photon(index), map.extras()[index], counters))
+}
+
+/// Adds how evenly lies what a pass found in a pixel; what is not finite is dropped. It is counted as flux.
+#[inline]
+pub fn add_evenness(pixel: &mut PixelTally, pass: &Pass<'_>, evenness: &Evenness) {
+    if evenness.is_finite() {
+        let inverse_scale = 1.0 / pass.scale;
+        pixel.flux_slope = [0, 1].map(|axis| pixel.flux_slope[axis] + evenness.slope[axis] * inverse_scale);
+        pixel.squared_flux += evenness.squares * inverse_scale * inverse_scale;
+    }
 }
 
 /// Adds one pass's sums of a pixel; what is not finite is dropped and counted.

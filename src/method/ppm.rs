@@ -26,7 +26,7 @@ use super::parameter_values::{
     Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
-use super::photon_pass::{PILOT_PASS, PhotonPasses, PhotonsOf, add_to_tally};
+use super::photon_pass::{Found, PILOT_PASS, PhotonPasses, PhotonsOf, add_evenness, add_to_tally};
 use super::pilot::PilotView;
 use super::shared_parameters::{
     ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
@@ -44,7 +44,7 @@ use crate::transport::camera_walk::{CameraWalk, GatherPoint};
 use crate::transport::emission_learning::GuideParts;
 use crate::transport::hit_point::HitPoint;
 use crate::transport::occlusion::Occlusion;
-use crate::transport::photon_map::{Gathered, OriginPhoton, PhotonMap};
+use crate::transport::photon_map::{OriginPhoton, PhotonMap};
 use crate::transport::shading;
 
 /// Specular surfaces up to this many segments are followed in all their directions, later ones in one at random.
@@ -132,6 +132,7 @@ impl ParameterizedMethod for Parameters {
         };
         Box::new(Ppm {
             passes,
+            radius_rule: self.radius_rule,
             samples_per_pixel: self.samples_per_pixel.get(),
             error,
             cache: Mutex::new(HashMap::new()),
@@ -141,6 +142,7 @@ impl ParameterizedMethod for Parameters {
 
 struct Ppm {
     passes: PhotonPasses,
+    radius_rule: RadiusRule,
     samples_per_pixel: u32,
     /// Bound on the rounding error of any position in the scene, m.
     error: f32,
@@ -265,18 +267,20 @@ impl Ppm {
         random: &PassRandom,
         (first_point, radius_squared): (usize, f32),
         counters: &mut Counters,
-    ) -> (Rgb, Gathered) {
-        let (mut radiance, mut gathered) = (Rgb::ZERO, Gathered::default());
+    ) -> (Rgb, Found) {
+        let (mut radiance, mut found) = (Rgb::ZERO, Found::default());
         let share = 1.0 / self.samples_per_pixel as f32;
+        let disc = (radius_squared * pass.scale, self.radius_rule);
         for (index, hit_point) in points.iter().enumerate() {
             let point = hit_point.gather_point(self.error);
             let random = random.path((first_point + index) as u32);
             radiance += point.throughput * self.passes.direct_light(&point, &random, counters);
-            let found = self.passes.gather(map, &point, radius_squared * pass.scale, counters);
-            gathered.add(&found, point.throughput * share);
+            self.passes.add_gathered(map, (&point, point.throughput * share), disc, &mut found, counters);
         }
-        gathered.photons *= share;
-        (radiance * share, gathered)
+        found.gathered.photons *= share;
+        // The discs of a pixel lie over each other and find the same photons, so that what one brings comes at once.
+        found.evenness.squares *= self.samples_per_pixel as f32;
+        (radiance * share, found)
     }
 }
 
@@ -303,10 +307,11 @@ impl PreparedMethod for Ppm {
                     let address = picture_pixel.wrapping_mul(MOST_POINTS_PER_PIXEL);
                     let radius = pass.radius_squared[pixel];
                     let points = &hit_points.points[range];
-                    let (radiance, gathered) =
+                    let (radiance, found) =
                         self.trace_pixel(pass, &map, points, &random, (address, radius), &mut counters);
                     let radiance = radiance + Rgb::from_array(hit_points.seen[pixel]);
-                    add_to_tally(tally, pass, radiance, &gathered, &mut counters);
+                    add_to_tally(tally, pass, radiance, &found.gathered, &mut counters);
+                    add_evenness(tally, pass, &found.evenness);
                 }
                 counters
             })

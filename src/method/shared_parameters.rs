@@ -1,8 +1,8 @@
 //! Parameters that several methods have.
 
 use super::parameter_values::{
-    All, Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PathLength, PhotonCount, Radius,
-    RouletteDepth, Subpaths, Switch, Weights,
+    All, Auto, Depth, DirectLight, Emission, LightPicks, MergingRadiusRule, OpenUnit, Passes, PathLength, PhotonCount,
+    Radius, RouletteDepth, Subpaths, Switch, Weights,
 };
 use super::parameters::{Parameter, parameter};
 use crate::estimate::RadiusRule;
@@ -22,8 +22,15 @@ pub const ALPHA: Parameter<OpenUnit> = parameter(
     OpenUnit::new(2.0 / 3.0).expect("in range"),
     "0.6667",
 );
-/// For methods whose radii shrink.
-pub const RADIUS_RULE: Parameter<RadiusRule> = parameter("how radii shrink", RadiusRule::Statistics, "statistics");
+/// For `sppm` and `ppm`.
+pub const RADIUS_RULE: Parameter<RadiusRule> = parameter(
+    "how radii shrink: by the photons found; by the passes alone; by the photons found, but only where they do not lie evenly",
+    RadiusRule::Statistics,
+    "statistics",
+);
+/// For methods that merge subpaths in discs that shrink.
+pub const MERGING_RADIUS_RULE: Parameter<MergingRadiusRule> =
+    parameter("how radii shrink", MergingRadiusRule::Statistics, "statistics");
 
 /// For methods that follow photons to where camera paths gather them.
 pub const PHOTONS: Parameter<Auto<PhotonCount>> =

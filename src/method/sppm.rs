@@ -24,7 +24,7 @@ use super::parameter_values::{
     Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
 };
 use super::parameters::{ParameterSet, parameters, read_method};
-use super::photon_pass::{PhotonPasses, PhotonsOf, add_to_tally};
+use super::photon_pass::{Found, PhotonPasses, PhotonsOf, add_evenness, add_to_tally};
 use super::pilot::CameraPaths;
 use super::shared_parameters::{
     ALPHA, DIRECT, EMISSION, GATHER_RADIUS, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RADIUS_RULE, RR_DEPTH,
@@ -37,7 +37,7 @@ use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::emission_learning::GuideParts;
 use crate::transport::occlusion::Occlusion;
-use crate::transport::photon_map::{Gathered, OriginPhoton, PhotonMap};
+use crate::transport::photon_map::{OriginPhoton, PhotonMap};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -108,12 +108,13 @@ impl ParameterizedMethod for Parameters {
             guide_parts: GuideParts::Cells,
             occlusion: self.occlusion,
         };
-        Box::new(Sppm { passes })
+        Box::new(Sppm { passes, radius_rule: self.radius_rule })
     }
 }
 
 struct Sppm {
     passes: PhotonPasses,
+    radius_rule: RadiusRule,
 }
 
 impl Sppm {
@@ -128,13 +129,14 @@ impl Sppm {
         tally: &mut PixelTally,
         counters: &mut Counters,
     ) {
-        let mut gathered = Gathered::default();
+        let mut found = Found::default();
+        let disc = (radius_squared * pass.scale, self.radius_rule);
         let radiance = self.passes.camera_path(random, pixel, counters, |point, radiance, counters| {
             *radiance += point.throughput * self.passes.direct_light(point, random, counters);
-            let found = self.passes.gather(map, point, radius_squared * pass.scale, counters);
-            gathered.add(&found, point.throughput);
+            self.passes.add_gathered(map, (point, point.throughput), disc, &mut found, counters);
         });
-        add_to_tally(tally, pass, radiance, &gathered, counters);
+        add_to_tally(tally, pass, radiance, &found.gathered, counters);
+        add_evenness(tally, pass, &found.evenness);
     }
 }
 

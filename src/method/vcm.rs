@@ -16,17 +16,16 @@ use std::sync::Arc;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings, Paths};
 use super::parameter_values::{
-    All, Auto, Depth, Emission, LightPicks, OpenUnit, Passes, PathLength, PhotonCount, Radius, RouletteDepth, Subpaths,
-    Switch,
+    All, Auto, Depth, Emission, LightPicks, MergingRadiusRule, OpenUnit, Passes, PathLength, PhotonCount, Radius,
+    RouletteDepth, Subpaths, Switch,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{
-    ALPHA, HEURISTIC, LENGTH, LIGHT_PICKS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, OCCLUSION, PASSES, RADIUS_RULE,
-    SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
+    ALPHA, HEURISTIC, LENGTH, LIGHT_PICKS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, MERGING_RADIUS_RULE, OCCLUSION,
+    PASSES, SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
 };
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
-use crate::estimate::RadiusRule;
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 use crate::transport::occlusion::Occlusion;
@@ -50,7 +49,7 @@ parameters! {
         connect: Switch = parameter("whether vertices are connected", Switch::On, "on"),
         merge: Switch = parameter("whether vertices are merged", Switch::On, "on"),
         alpha: OpenUnit = ALPHA,
-        radius_rule: RadiusRule = RADIUS_RULE,
+        radius_rule: MergingRadiusRule = MERGING_RADIUS_RULE,
         photons_per_pass: Auto<PhotonCount> = LIGHT_SUBPATHS,
         initial_radius: Auto<Radius> = MERGING_RADIUS,
         occlusion: Occlusion = OCCLUSION,
@@ -100,7 +99,7 @@ impl ParameterizedMethod for Parameters {
 
     fn gathering(&self) -> Gathering {
         match self.merge.is_on() {
-            true => Gathering::ShrinkingDiscs { rule: self.radius_rule, alpha: self.alpha.get() },
+            true => Gathering::ShrinkingDiscs { rule: self.radius_rule.into(), alpha: self.alpha.get() },
             false => Gathering::Nothing,
         }
     }

@@ -10,6 +10,7 @@ pub mod density_estimate;
 pub mod direct_light;
 pub mod direct_photons;
 pub mod emission_learning;
+pub mod evenness;
 pub mod first_radius;
 pub mod hit_point;
 pub mod importance_map;

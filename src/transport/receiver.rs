@@ -1,5 +1,6 @@
 //! Where photons meet materials: a surface, as a path sees it, that reflects what photons bring.
 
+use super::evenness::{Evenness, MeasuredDisc};
 use super::photon_map::{GatherQuery, Gathered, PhotonLookup};
 use super::shading;
 use crate::math::{Rgb, Vec3, octahedral};
@@ -105,6 +106,27 @@ impl<'a> Receiver<'a> {
             }
         });
         leaves_out.then_some(gathered)
+    }
+
+    /// [`gather`](Self::gather) of the photons that `counts` wants, and how evenly lies what the camera sees of them, which is `throughput` times as much.
+    pub fn gather_measured(
+        &self,
+        photons: &impl PhotonLookup,
+        counting: Counting,
+        throughput: Rgb,
+        mut counts: impl FnMut(usize) -> bool,
+    ) -> (Gathered, Evenness) {
+        let query = self.query(counting);
+        let (mut gathered, mut disc) = (Gathered::default(), MeasuredDisc::new(&query));
+        photons.visit_disc(&query, |index, is_inner| {
+            if counts(index) {
+                let photon = photons.photon(index);
+                let flux = self.value(self.incident(photon.direction)) * Rgb::from_array(photon.flux);
+                gathered.add_photon(flux, is_inner);
+                disc.add(Vec3::from_array(photon.position), throughput * flux);
+            }
+        });
+        (gathered, disc.sums())
     }
 
     /// What it reflects of the photons in a disc: Σ f_r·α, un-normalised, W·sr⁻¹; and their number.

@@ -126,7 +126,7 @@ impl Plan {
     /// The epoch whose shards' radius field is that of `epoch`: 0 for the first radii.
     pub fn field_epoch(&self, epoch: u32) -> u32 {
         match self.radius_rule {
-            RadiusRule::Statistics if epoch > self.epoch_lag => epoch,
+            RadiusRule::Statistics | RadiusRule::Uniformity if epoch > self.epoch_lag => epoch,
             _ => 0,
         }
     }
@@ -155,10 +155,12 @@ impl Plan {
 
     /// How many shards must be merged before shard `index` may be issued.
     ///
-    /// Under `statistics` its radius field must exist; under `schedule` only the buffer of early results is bounded.
+    /// Under `statistics` and `uniformity` its radius field must exist; under `schedule` only the buffer of early results is bounded.
     pub fn merged_before(&self, index: u64) -> u64 {
         match self.radius_rule {
-            RadiusRule::Statistics => self.epoch_start(self.epoch_of(index).saturating_sub(self.epoch_lag)),
+            RadiusRule::Statistics | RadiusRule::Uniformity => {
+                self.epoch_start(self.epoch_of(index).saturating_sub(self.epoch_lag))
+            }
             RadiusRule::Schedule => (index + 1).saturating_sub(4 * u64::from(self.shards_per_epoch)),
         }
     }
@@ -172,7 +174,9 @@ impl Plan {
     /// theirs is done.
     pub fn first_checkable(&self, epoch: u32) -> u64 {
         match self.radius_rule {
-            RadiusRule::Statistics => self.epoch_start(epoch.saturating_sub(CHECKED_EPOCHS - 1)),
+            RadiusRule::Statistics | RadiusRule::Uniformity => {
+                self.epoch_start(epoch.saturating_sub(CHECKED_EPOCHS - 1))
+            }
             _ => 0,
         }
     }
