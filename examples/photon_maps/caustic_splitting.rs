@@ -14,11 +14,11 @@ const SIZE: u32 = 128;
 /// Passes of each picture.
 const PASSES: u32 = 4;
 /// Photon paths of a pass before they are split.
-const PHOTONS: u32 = 20_000;
+const PHOTONS: u32 = 2_000;
 /// Photons in a look-up of the caustic map, whatever their number.
 const NEIGHBORS: u32 = 50;
 /// Where the caustic is, in shares of the picture: from left and top to right and bottom.
-const CAUSTIC: [f32; 4] = [0.3, 0.72, 0.7, 0.95];
+const CAUSTIC: [f32; 4] = [0.25, 0.7, 0.75, 0.9];
 
 /// Ways to split, and S.
 const ROWS: &[(&str, u32)] = &[
@@ -116,4 +116,7 @@ photons whose rays meet no box around specular surfaces, and has the picture of 
 ";
 
 const VERDICT: &str = "
-VERDICT";
+The claims hold. The error of the caustic falls with S up to about 20 and hardly beyond: then other errors are left. Projection has the same picture as brute force in less
+time, the more so the larger S; it saves what added photons cost that meet nothing specular, not the drawing of where they start. At the same S mutations are worse than new
+paths, in one pass of few paths by bright and dark spots; they emit the fewest photons, but brute force at S = 20 was better than mutations at S = 200 in about the same
+time. Here new paths that end at once cost so little that the case for mutations, large S and many photons, was not met.";

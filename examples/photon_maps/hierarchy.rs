@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use crate::Fallible;
 use crate::laboratory::{Experiment, reference, scene, show};
-use crate::many_maps::{Row, measure};
+use crate::many_maps::{Ratios, Row, measure};
 
 /// Width of pictures, pixels: 2⁸ intervals.
 const SIZE: u32 = 257;
@@ -48,7 +48,7 @@ pub(crate) fn run() -> Fallible<()> {
         "| samples | maps | error | low | time, s | in turn | error | low | time, s | thesis: samples | error | in turn |"
     );
     println!("|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|");
-    let mut pictures = None;
+    let (mut ratios, mut pictures) = (Ratios::default(), None);
     for setting in SETTINGS {
         let Setting { coarsest, mean, turns, their_mean, theirs, .. } = setting;
         let hierarchical = measure(&scene, &truth, &setting.parameters(json!({})), 1)?;
@@ -60,15 +60,15 @@ pub(crate) fn run() -> Fallible<()> {
             theirs[0],
             theirs[1]
         );
+        ratios.add(&in_turn, &hierarchical, [theirs[1], theirs[0]]);
         pictures.get_or_insert((hierarchical.picture, in_turn.picture));
     }
-    println!();
+    ratios.print("The hierarchy against as many maps in turn");
     localized(&scene, &truth)?;
     if let Some((hierarchical, in_turn)) = pictures {
         show(&in_turn, "hierarchy-turns", "three maps in turn")?;
         show(&hierarchical, "hierarchy", "hierarchical, 2.75 samples per pixel of 38 maps")?;
     }
-    println!("{VERDICT}");
     Ok(())
 }
 
@@ -96,6 +96,7 @@ fn cells(row: &Row) -> String {
 fn localized(scene: &Arc<Scene>, truth: &Picture) -> Fallible<()> {
     println!("| localized from a contrast of | pixels | error | low | time, s |");
     println!("|---:|---:|---:|---:|---:|");
+    let mut shown = None;
     for contrast in CONTRASTS {
         let setting = &SETTINGS[0];
         let parameters = setting.parameters(json!({ "localization": contrast, "show": "localized" }));
@@ -104,11 +105,14 @@ fn localized(scene: &Arc<Scene>, truth: &Picture) -> Fallible<()> {
         let row = measure(scene, truth, &setting.parameters(json!({ "localization": contrast })), 1)?;
         println!("| {contrast} % | {:.1} % | {} |", 100.0 * share, cells(&row));
         if contrast == CONTRASTS[1] {
-            show(&mask, "hierarchy-localized", "white: localized from a contrast of 50 %")?;
-            show(&row.picture, "hierarchy-localization", "with these pixels sampled by all 38 maps")?;
+            shown = Some((mask, row.picture));
         }
     }
     println!();
+    if let Some((mask, picture)) = shown {
+        show(&mask, "hierarchy-localized", "white: localized from a contrast of 50 %")?;
+        show(&picture, "hierarchy-localization", "with these pixels sampled by all 38 maps")?;
+    }
     Ok(())
 }
 
@@ -121,6 +125,3 @@ noisy that their noise passes for edges.
 details of the levels that look at it, and localization traces the maps again. SCENE6, 257 pixels wide (theirs: 513), maps of 10,000 photons, no final gather and so
 direct light sampled, at each sample anew; error and *low* as in the chapter before.
 ";
-
-const VERDICT: &str = "
-VERDICT";

@@ -125,10 +125,10 @@ Here it is: `cache_error` is Ward's a, a record has 256 rays, and what is not pl
 ";
 
 const VERDICT: &str = "
-The first half of the claim holds: in matte rooms 64 rays leave about a quarter of the error that the bare estimate has, at five to seven times its time, and four
-rays are no better than none. In INVISIBLEDATE few photons reach the room: rays find the same few again, and noise stays.
+The first half of the claim holds: in matte rooms 64 rays leave a quarter to a third of the error that the bare estimate has, at six times its time, and four
+rays are hardly better than none, or worse. In INVISIBLEDATE few photons reach the room: rays find the same few again, and noise stays.
 
 That the cost is prohibitive holds for rays alone. With irradiance caching and a = 0.4 matte rooms have the error of 64 rays in a quarter to a half of their time, and
-a = 0.2 has slightly less error at more time; a = 0.1 adds time only. A record serves a piece of surface, not a pixel: at 256² a cache costs little more than four rays,
+a = 0.2 has slightly less error at more time; a = 0.1 adds hardly anything but time. A record serves a piece of surface, not a pixel: at 256² a cache costs little more than four rays,
 and 64 rays cost seven times as much. The bias of the cache does not show: means of matte rooms move by less than 0.3 %. Surfaces that are not plainly matte gather as
 ever: most of INVISIBLEDATE is glossy, and with four rays keeps their noise whatever the cache does; 64 rays beside a cache have the error of 64 rays at less time.";

@@ -12,6 +12,7 @@ mod laboratory;
 mod local_pass;
 mod many_maps;
 mod plausibility;
+mod radii;
 mod storage;
 mod structures;
 
@@ -43,7 +44,7 @@ const CHAPTERS: &[Chapter] = &[
     Chapter {
         name: "plausibility",
         heading: "Photons that could not have come here (4.1)",
-        minutes: 5,
+        minutes: 4,
         run: plausibility::run,
     },
     Chapter {
@@ -68,7 +69,13 @@ const CHAPTERS: &[Chapter] = &[
     },
     Chapter { name: "storage", heading: "Storage by importance (4.7)", minutes: 4, run: storage::run },
     Chapter { name: "importance", heading: "Photons where they are needed (4.7)", minutes: 4, run: importance::run },
-    Chapter { name: "choice_of_k", heading: "Choosing k (4.8)", minutes: 6, run: choice_of_k::run },
+    Chapter { name: "choice_of_k", heading: "Choosing k (4.8)", minutes: 2, run: choice_of_k::run },
+    Chapter {
+        name: "radii",
+        heading: "Discs that shrink where photons are uneven (after 4.8)",
+        minutes: 4,
+        run: radii::run,
+    },
 ];
 
 fn main() -> Fallible<()> {

@@ -10,7 +10,7 @@ const SIZE: u32 = 96;
 /// Passes of each picture.
 const PASSES: u32 = 16;
 /// Passes of the truth.
-const TRUTH_PASSES: u32 = 2048;
+const TRUTH_PASSES: u32 = 1024;
 
 /// Tests, and the parameters that ask for them.
 const TESTS: [(&str, &str); 5] = [
@@ -44,6 +44,7 @@ fn behind_a_sheet() -> Fallible<()> {
     let truth = reference(&scene("thin-sheet/alone.xml", SIZE)?, "path", TRUTH_PASSES)?;
     println!("| look-ups | test | mean | worst block | relMSE | time, s |");
     println!("|---|---|---:|---:|---:|---:|");
+    let mut pictures = Vec::new();
     for (look_ups, rays) in [("local pass, 4 rays", 4), ("map looked at directly", 0)] {
         for (test, parameters) in TESTS {
             let shared = json!({ "final_gather": rays, "occlusion": "off", "emission": "power" });
@@ -58,9 +59,13 @@ fn behind_a_sheet() -> Fallible<()> {
             );
             if rays == 0 && (test == "none" || test.ends_with("unclear")) {
                 let name = if test == "none" { "plausibility-none" } else { "plausibility-unclear" };
-                show(&rendered.picture, name, &format!("Map looked at directly, test: {test}"))?;
+                pictures.push((name, test, rendered.picture));
             }
         }
+    }
+    println!();
+    for (name, test, picture) in &pictures {
+        show(picture, name, &format!("Map looked at directly, test: {test}"))?;
     }
     Ok(())
 }
@@ -100,5 +105,15 @@ const AFTER_SHEET: &str = "
 The photons of SCENE5's glass ball, caustic look-ups with 50 photons, 16 passes at 96²:
 ";
 
-const VERDICT: &str = "\
-";
+const VERDICT: &str = "
+The claim holds for what the tests cannot do: neither the angle nor the plane sees that light of the floor behind the sheet did not come from here, since it falls on the same floor from above; with
+them the worst block is off as much as without. Each has cases of its own (`tests/agreement/photon_look_ups.rs`). An angle of 90° takes off the light, 4 % of a lit floor's, that leaks over a ridge of 30°; but on a
+sphere of radius R it loses (r/R)²/8 of what a disc of radius r brings, 2.7 % where r is almost half of R. The plane takes off the light of a floor that leaks on a shelf 1 cm over it; but from the sphere it takes all.
+
+Dropping stray photons loses energy, as the thesis says, and here it is no gain: passes that are averaged take their noise away, and the mean gets darker by 0.8 to 1 %. Where a disc holds four photons on average
+and five are asked for, 43 % of the light is lost.
+
+Testing occlusion is right, and need not be dear: here it costs 3 % with a local pass, and 15 % where the map is looked at directly (32 % for all photons, where the thesis paid six times as much); in a Cornell box without any wall to look
+behind the instructions of a pass are 1.03 times as many. To test all photons is no better than to test those that are unclear: at the rim of a shadow photons that fail are not made up for, and the mean gets darker.
+Under the same sheet `sppm` after 256 passes at 96² goes from +14.3 % to −0.4 % in the mean and from 199 % to 14 % in the worst block, at 1.09 times the time; with photons that go where the picture looks the worst block is
+9 %. What stays: a disc that a wall cuts is divided by its whole area until its radius has shrunk; a map that is looked at directly keeps it.";

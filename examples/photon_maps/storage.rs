@@ -7,18 +7,22 @@ use crate::laboratory::{Experiment, errors, reference, scene, show};
 
 /// Width of the pictures, pixels.
 const SIZE: u32 = 96;
-/// Photon paths of the first pictures; about as many photons are stored as in the thesis.
-const PHOTONS: u32 = 200_000;
+/// Passes of each picture.
+const PASSES: u32 = 8;
+/// Photon paths of a pass of the first pictures.
+const PHOTONS: u32 = 20_000;
 /// How many times as many paths store about as many photons by importance.
-const MORE: u32 = 20;
+const MORE: u32 = 10;
 
 /// Prints the chapter.
 pub(crate) fn run() -> Fallible<()> {
     println!("{CLAIM}");
     let rooms = scene("scene10/scene.xml", SIZE)?;
     let truth = reference(&rooms, "path", 2048)?;
-    println!("| photons start | storage | photon paths | photons stored | relMSE | time, s |");
-    println!("|---|---|---:|---:|---:|---:|");
+    println!(
+        "| photons start | storage | photon paths a pass | photons stored a pass | relMSE | mean off | worst block | time, s |"
+    );
+    println!("|---|---|---:|---:|---:|---:|---:|---:|");
     let rows = [
         ("power", "all", PHOTONS, true),
         ("power", "importance", PHOTONS, false),
@@ -30,11 +34,14 @@ pub(crate) fn run() -> Fallible<()> {
     let mut pictures = Vec::new();
     for (emission, storage, photons, is_shown) in rows {
         let parameters = json!({ "emission": emission, "storage": storage, "photons_per_pass": photons });
-        let rendered = Experiment { method: "photon_map", parameters, passes: 1, seed: 1 }.render(&rooms)?;
+        let rendered = Experiment { method: "photon_map", parameters, passes: PASSES, seed: 1 }.render(&rooms)?;
+        let metrics = errors(&rendered.picture, &truth)?;
         println!(
-            "| {emission} | {storage} | {photons} | {:.0} | {:.4} | {:.1} |",
+            "| {emission} | {storage} | {photons} | {:.0} | {:.4} | {:+.1} % | {:.1} % | {:.1} |",
             rendered.photons_stored,
-            errors(&rendered.picture, &truth)?.relmse,
+            metrics.relmse,
+            100.0 * metrics.bias,
+            100.0 * metrics.block_bias_max,
             rendered.seconds
         );
         if is_shown {
@@ -50,7 +57,7 @@ pub(crate) fn run() -> Fallible<()> {
 }
 
 const CLAIM: &str = "\
-Claim: where most photons are where nobody looks, as in the hundred rooms of SCENE10, a photon map of as many photons (600,000) is far better when photons are stored with
+Claim: where most photons are where nobody looks, as in the hundred rooms of SCENE10, a photon map of 600,000 photons is far better when photons are stored with
 a probability p by the importance of where they are, and with 1/p of their flux: few strong photons where they do not matter, many weak ones where they do. Since all
 are traced all the same, the random walk takes 20 times as long.
 
@@ -59,4 +66,6 @@ Here: `storage: importance`. Every pass follows one camera path in 16 pixels and
 ";
 
 const VERDICT: &str = "
-VERDICT";
+The claim holds: of ten times as many paths about as many photons are stored, and most of the light that wide discs lose in plain maps is
+there: the mean of the picture and its worst block are much nearer the truth. For as many paths the picture stays as it was, from a map of a tenth of the size. The
+time for all the paths is paid, as the thesis says. Photons that start where they are needed (`emission: guided`) bring as good a picture without it.";

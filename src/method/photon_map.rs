@@ -63,7 +63,7 @@ use std::sync::atomic::AtomicBool;
 
 use hierarchy::Hierarchy;
 use look_up::LookUp;
-use parameters::{Direct, Parameters};
+use parameters::{DirectMode, Parameters};
 use second_pass::{MapChoice, Step, TracedPass};
 
 use super::gather_ends::GatherEnds;
@@ -120,7 +120,7 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn futile_in(&self, traits: SceneTraits) -> Option<&'static str> {
-        (traits.sealed_lights && self.direct == Direct::Sample).then_some(
+        (traits.sealed_lights && self.direct == DirectMode::Sample).then_some(
             "nearly all light meets mirrors or glass first, so sampled direct light finds hardly any, and most of what is seen is read \
              from the caustic map, which no gather ray smooths; sppm shrinks what that blurs",
         )
@@ -236,7 +236,7 @@ impl TwoPasses {
             // Nearly every ray is one of a record, and ends with a look-up.
             Some(_) => looks.rays,
         };
-        gathered * u64::from(maps.get()) + paths * u64::from(*direct != Direct::Sample)
+        gathered * u64::from(maps.get()) + paths * u64::from(*direct != DirectMode::Sample)
     }
 }
 

@@ -9,17 +9,8 @@ fn checked(method: &str, parameters: Map<String, Value>) -> Result<CheckedMethod
     check(&MethodChoice { name: method.to_owned(), parameters }, PIXELS)
 }
 
-/// A choice with one parameter, and with those that it has no meaning without.
 fn with(method: &str, name: &str, value: Value) -> Result<CheckedMethod, MethodError> {
-    let companions = match (method, name) {
-        ("photon_map", "coarsest_samples" | "localization") => json!({"hierarchy": 4}),
-        ("photon_map", "finest_samples") => json!({"hierarchy": 4, "coarsest_samples": 256}),
-        ("photon_map", "show") => json!({"hierarchy": 4, "localization": 25}),
-        _ => json!({}),
-    };
-    let mut parameters = companions.as_object().expect("an object").clone();
-    parameters.insert(name.to_owned(), value);
-    checked(method, parameters)
+    checked(method, Map::from_iter([(name.to_owned(), value)]))
 }
 
 /// Some parameters are refused where another one leaves them nothing to say.

@@ -1,6 +1,6 @@
 //! Parameters of `photon_map` that contradict each other, or leave one without effect: refused with what would be right.
 
-use super::parameters::{DEFAULT_COARSEST, DEFAULT_FINEST, Direct, Parameters, ShownPart};
+use super::parameters::{DEFAULT_COARSEST, DEFAULT_FINEST, DirectMode, Parameters, ShownPart};
 use crate::method::Contradiction;
 use crate::method::parameter_values::{Auto, Switchable};
 use crate::transport::caustic_splitting::Splitting;
@@ -86,12 +86,12 @@ impl Parameters {
     /// A parameter that was given and means nothing for how direct light is found.
     fn of_direct_light(&self) -> Option<Contradiction> {
         let (direct, usual) = (self.direct, Self::default());
-        let looks_up = direct != Direct::Sample;
-        let (name, users) = if self.direct_samples != usual.direct_samples && direct == Direct::Photons {
+        let looks_up = direct != DirectMode::Sample;
+        let (name, users) = if self.direct_samples != usual.direct_samples && direct == DirectMode::Photons {
             ("direct_samples", "\"sample\", \"shadow_photons\" or \"photon_direct\"")
         } else if self.direct_neighbors != usual.direct_neighbors && !looks_up {
             ("direct_neighbors", "\"photons\", \"shadow_photons\" or \"photon_direct\"")
-        } else if self.direct_reuse != usual.direct_reuse && direct != Direct::PhotonDirect {
+        } else if self.direct_reuse != usual.direct_reuse && direct != DirectMode::PhotonDirect {
             ("direct_reuse", "\"photon_direct\"")
         } else if self.maps.get() > 1 && looks_up {
             ("maps", "\"sample\", since direct light is looked up in one map")

@@ -18,7 +18,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::TwoPasses;
 use super::look_up::LookUp;
-use super::parameters::{Direct, Parameters};
+use super::parameters::{DirectMode, Parameters};
 use crate::math::random::{MOST_PARTS, PassRandom, PathRandom, Stream};
 use crate::math::{Rgb, Vec3};
 use crate::method::Pass;
@@ -68,7 +68,7 @@ impl Parameters {
     /// A look-up of direct photons. Those that only pick lights may lie as far away as any.
     pub(super) fn direct_look_up(&self, scene_radius: f32, photons_per_pass: u32) -> LookUp {
         let mut look_up = self.look_up(self.direct_neighbors.get(), scene_radius, photons_per_pass);
-        if self.direct == Direct::PhotonDirect && self.largest_radius.meters() == Auto::Auto {
+        if self.direct == DirectMode::PhotonDirect && self.largest_radius.meters() == Auto::Auto {
             look_up.estimate.largest_radius_squared = RadiusBounds::largest_squared(scene_radius);
         }
         look_up
@@ -101,11 +101,11 @@ impl TwoPasses {
             Some(photons)
         };
         Some(match self.parameters.direct {
-            Direct::Sample if self.parameters.direct_samples.get() == 1 => DirectLight::OneSample,
-            Direct::Sample => DirectLight::Samples,
-            Direct::Photons => DirectLight::Photons(trace(Stored::Lit)?),
-            Direct::ShadowPhotons => DirectLight::ShadowPhotons(trace(Stored::LitAndShadows)?),
-            Direct::PhotonDirect => DirectLight::PhotonDirect(trace(Stored::Lit)?),
+            DirectMode::Sample if self.parameters.direct_samples.get() == 1 => DirectLight::OneSample,
+            DirectMode::Sample => DirectLight::Samples,
+            DirectMode::Photons => DirectLight::Photons(trace(Stored::Lit)?),
+            DirectMode::ShadowPhotons => DirectLight::ShadowPhotons(trace(Stored::LitAndShadows)?),
+            DirectMode::PhotonDirect => DirectLight::PhotonDirect(trace(Stored::Lit)?),
         })
     }
 }

@@ -96,7 +96,7 @@ bounded! {
 /// How direct light is found where a camera path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum Direct {
+pub(super) enum DirectMode {
     /// Lights are sampled.
     Sample,
     /// Photons that came straight from lights are looked up.
@@ -107,7 +107,7 @@ pub(super) enum Direct {
     PhotonDirect,
 }
 
-impl ParameterValue for Direct {
+impl ParameterValue for DirectMode {
     const RANGE: &'static str = "sample, photons, shadow_photons, photon_direct";
 }
 
@@ -178,11 +178,11 @@ parameters! {
             "auto: half the area that k photons take on average",
         ),
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
-        direct: Direct = parameter(
+        direct: DirectMode = parameter(
             "how direct light is found at wide lobes: sample, by light samples; photons, by those that came straight from lights; \
              shadow_photons, by light samples with shadow rays only where photons do not tell what is seen; photon_direct, by light \
              samples in proportion to what photons brought from each light",
-            Direct::Sample,
+            DirectMode::Sample,
             "sample",
         ),
         direct_samples: LightSamples = parameter(
