@@ -97,6 +97,15 @@ pub struct PilotFindings {
     pub counters: Counters,
 }
 
+/// A pixel that lessons look at.
+struct LessonPixel {
+    pixel: usize,
+    /// Where it gathers.
+    points: Vec<GatherPoint>,
+    /// The luminance that it sees without photons, W·sr⁻¹·m⁻².
+    without_photons: f64,
+}
+
 /// Photons, and first radii for them.
 struct Round {
     map: PhotonMap<PathSegment>,
@@ -125,10 +134,11 @@ impl PhotonPasses {
 
     /// Goes on from photons that were emitted by power. The inner `None`: no guide helps.
     fn guided(&self, view: &impl PilotView, mut round: Round, cancel: &AtomicBool) -> Option<Option<PilotFindings>> {
+        let pixels = self.lesson_pixels(view);
         let mut guide: Option<EmissionGuide> = None;
         let mut last: Option<Lesson> = None;
         for pass in PILOT_PASS..PILOT_PASS + LESSONS {
-            let Some(lesson) = self.lesson(view, &round, pass, guide.as_ref()) else { return Some(None) };
+            let Some(lesson) = self.lesson(&pixels, &round, pass, guide.as_ref()) else { return Some(None) };
             if self.emission == Emission::Auto && lesson.gain < WORTHWHILE_GAIN {
                 return Some(None);
             }
@@ -174,9 +184,32 @@ impl PhotonPasses {
         (!cancel.load(Ordering::Relaxed)).then_some(Round { map, radius_squared, counters: total })
     }
 
+    /// The pixels of all lessons. They see the same in each of them but for its photons.
+    fn lesson_pixels(&self, view: &impl PilotView) -> Vec<LessonPixel> {
+        let count = self.scene.pixel_count();
+        let pixels: Vec<usize> = (0..count).step_by(count.div_ceil(LESSON_PIXELS)).collect();
+        let look = |pixel: &usize| {
+            let (mut points, mut sampled) = (Vec::new(), Rgb::ZERO);
+            let seen = view.visit(*pixel, &mut Counters::default(), &mut |point, random, counters| {
+                sampled += point.throughput * self.direct_light(point, random, counters);
+                points.push(*point);
+            });
+            let without_photons = f64::from(luminance(seen + sampled));
+            let without_photons = if without_photons.is_finite() { without_photons } else { 0.0 };
+            LessonPixel { pixel: *pixel, points, without_photons }
+        };
+        pixels.par_iter().map(look).collect()
+    }
+
     /// What the photons of a round teach; `None` where none came to the picture.
-    fn lesson(&self, view: &impl PilotView, round: &Round, pass: u32, guide: Option<&EmissionGuide>) -> Option<Lesson> {
-        let worths = self.worths(view, round);
+    fn lesson(
+        &self,
+        pixels: &[LessonPixel],
+        round: &Round,
+        pass: u32,
+        guide: Option<&EmissionGuide>,
+    ) -> Option<Lesson> {
+        let worths = self.worths(pixels, round);
         let random = PassRandom::independent(self.seed, Stream::PilotPhoton, pass);
         let paths: Vec<EmittedPath> = (0..self.photons_per_pass)
             .zip(worths)
@@ -190,16 +223,13 @@ impl PhotonPasses {
     }
 
     /// What each photon path is to the pixels, see [`EmittedPath::worth`], in units.
-    fn worths(&self, view: &impl PilotView, round: &Round) -> Vec<AtomicU64> {
-        let count = self.scene.pixel_count();
-        let step = count.div_ceil(LESSON_PIXELS);
-        let pixels: Vec<usize> = (0..count).step_by(step).collect();
-        let brightness: Vec<f64> = pixels.par_iter().map(|pixel| self.brightness(view, round, *pixel)).collect();
+    fn worths(&self, pixels: &[LessonPixel], round: &Round) -> Vec<AtomicU64> {
+        let brightness: Vec<f64> = pixels.par_iter().map(|pixel| self.brightness(pixel, round)).collect();
         let mean = brightness.iter().sum::<f64>() / brightness.len() as f64;
         let worths: Vec<AtomicU64> = (0..self.photons_per_pass).map(|_| AtomicU64::new(0)).collect();
         pixels.par_iter().zip(&brightness).for_each(|(pixel, brightness)| {
             let square = brightness * brightness + DARK * mean * mean;
-            self.visit_photons(view, round, *pixel, |path, brought| {
+            self.visit_photons(pixel, round, |path, brought| {
                 // A pixel is at least as bright as what one photon brings it.
                 let share = (brought * brought / square).min(1.0);
                 worths[path as usize].fetch_add((share * WORTH_UNITS) as u64, Ordering::Relaxed);
@@ -209,22 +239,17 @@ impl PhotonPasses {
     }
 
     /// The luminance of a pixel by a single pass, W·sr⁻¹·m⁻².
-    fn brightness(&self, view: &impl PilotView, round: &Round, pixel: usize) -> f64 {
-        let mut sampled = Rgb::ZERO;
-        let seen = view.visit(pixel, &mut Counters::default(), &mut |point, random, counters| {
-            sampled += point.throughput * self.direct_light(point, random, counters);
-        });
+    fn brightness(&self, pixel: &LessonPixel, round: &Round) -> f64 {
         let mut by_photons = 0.0;
-        self.visit_photons(view, round, pixel, |_, brought| by_photons += brought);
-        let sampled = f64::from(luminance(seen + sampled));
-        if sampled.is_finite() { sampled + by_photons } else { by_photons }
+        self.visit_photons(pixel, round, |_, brought| by_photons += brought);
+        pixel.without_photons + by_photons
     }
 
     /// Shows every photon that a pixel gathers: its path, and the luminance that it brings, W·sr⁻¹·m⁻².
-    fn visit_photons(&self, view: &impl PilotView, round: &Round, pixel: usize, mut visit: impl FnMut(u32, f64)) {
-        let radius_squared = round.radius_squared[pixel];
+    fn visit_photons(&self, pixel: &LessonPixel, round: &Round, mut visit: impl FnMut(u32, f64)) {
+        let radius_squared = round.radius_squared[pixel.pixel];
         let disc = std::f64::consts::PI * f64::from(radius_squared) * f64::from(self.photons_per_pass);
-        view.visit(pixel, &mut Counters::default(), &mut |point, _, _| {
+        for point in &pixel.points {
             let receiver = Receiver::new(&self.scene, &point.hit, point.view());
             let counting = self.counting(point, radius_squared);
             let sight = Sight::new(&self.scene, &point.hit, &receiver.query(counting), self.occlusion);
@@ -239,7 +264,7 @@ impl PhotonPasses {
                     visit(segment.path, brought);
                 }
             });
-        });
+        }
     }
 
     /// The R² that a search for first radii starts with, m².
