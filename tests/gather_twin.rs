@@ -247,7 +247,7 @@ fn small_records_keep_photons_within_their_precision() {
         let turned = angle(octahedral::decode(kept.direction), octahedral::decode(photon.direction));
         assert!(turned < 0.02, "a direction is {turned} rad off");
         let tilted = angle(kept.normal(), photon.normal());
-        assert!(tilted < 0.2, "a normal is {tilted} rad off");
+        assert!(tilted < 0.3, "a normal is {tilted} rad off");
         let largest = photon.flux.into_iter().fold(0.0, f32::max);
         for (kept, flux) in kept.flux.into_iter().zip(photon.flux) {
             // The largest channel has a mantissa of at least 128 steps, or 127.5 at most where rounding would overflow.
