@@ -69,6 +69,7 @@ pub(crate) fn run() -> Fallible<()> {
         show(&in_turn, "hierarchy-turns", "three maps in turn")?;
         show(&hierarchical, "hierarchy", "hierarchical, 2.75 samples per pixel of 38 maps")?;
     }
+    println!("{VERDICT}");
     Ok(())
 }
 
@@ -125,3 +126,7 @@ noisy that their noise passes for edges.
 details of the levels that look at it, and localization traces the maps again. SCENE6, 257 pixels wide (theirs: 513), maps of 10,000 photons, no final gather and so
 direct light sampled, at each sample anew; error and *low* as in the chapter before.
 ";
+
+const VERDICT: &str = "
+The claim does not hold as it is: low frequencies fall a little, but pixels of fine levels have one sample of direct light and of their edges, and without localization the bright noise of a coarse pixel is
+interpolated far around it. With localization the error is lower than that of three maps in turn, at nearly five times the time.";

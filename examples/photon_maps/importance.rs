@@ -50,4 +50,4 @@ Here it is built, for every method that emits photons or light subpaths, togethe
 ";
 
 const VERDICT: &str = "
-The claim holds.";
+The claim holds. Not built is the third step of [PP98]: photons that surfaces scatter towards importance.";

@@ -84,6 +84,7 @@ pub(crate) fn run() -> Fallible<()> {
     divided(&scene, &truth)?;
     in_turn(&scene, &truth)?;
     skipping(&scene, &truth)?;
+    println!("{VERDICT}");
     Ok(())
 }
 
@@ -202,3 +203,7 @@ impl Ratios {
         );
     }
 }
+
+const VERDICT: &str = "
+The first claim holds exactly. So does the second, the less the more photons a map has: then the noise of sampled direct light is left, which four samples of one map average as well. Skipping
+does what it should: the same error with a third less of low frequencies, and the less is won the denser the maps; it costs sixteen maps a pass.";

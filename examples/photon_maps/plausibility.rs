@@ -113,7 +113,7 @@ sphere of radius R it loses (r/R)²/8 of what a disc of radius r brings, 2.7 % w
 Dropping stray photons loses energy, as the thesis says, and here it is no gain: passes that are averaged take their noise away, and the mean gets darker by 0.8 to 1 %. Where a disc holds four photons on average
 and five are asked for, 43 % of the light is lost.
 
-Testing occlusion is right, and need not be dear: here it costs 3 % with a local pass, and 15 % where the map is looked at directly (32 % for all photons, where the thesis paid six times as much); in a Cornell box without any wall to look
+Testing occlusion is right, and need not be dear: here it costs a seventh more time with a local pass and nothing that shows where the map is looked at directly, where the thesis paid a half and five times as much more; in a Cornell box without any wall to look
 behind the instructions of a pass are 1.03 times as many. To test all photons is no better than to test those that are unclear: at the rim of a shadow photons that fail are not made up for, and the mean gets darker.
 Under the same sheet `sppm` after 256 passes at 96² goes from +14.3 % to −0.4 % in the mean and from 199 % to 14 % in the worst block, at 1.09 times the time; with photons that go where the picture looks the worst block is
 9 %. What stays: a disc that a wall cuts is divided by its whole area until its radius has shrunk; a map that is looked at directly keeps it.";

@@ -67,5 +67,5 @@ Here: `storage: importance`. Every pass follows one camera path in 16 pixels and
 
 const VERDICT: &str = "
 The claim holds: of ten times as many paths about as many photons are stored, and most of the light that wide discs lose in plain maps is
-there: the mean of the picture and its worst block are much nearer the truth. For as many paths the picture stays as it was, from a map of a tenth of the size. The
+there: the mean of the picture and its worst block are much nearer the truth. For as many paths the picture stays as it was, from a map of a sixteenth of the size. The
 time for all the paths is paid, as the thesis says. Photons that start where they are needed (`emission: guided`) bring as good a picture without it.";
