@@ -183,8 +183,8 @@ octahedral direction of 16 bits, a normal of 8.
 ";
 
 const VERDICT: &str = "
-Processor time is told in hundredths of a second, so the first rows are rough. The claim holds: look-ups take 1.5 to 4.6 times as long in a tree, and it takes three
+Processor time is told in hundredths of a second, so the first rows are rough. The claim holds: look-ups take 1.6 to 5.8 times as long in a tree, and it takes three
 times as long to build; but it needs 33 bytes a photon instead of 46 to 48.
 
-The thesis keeps photons in 18 to 20 bytes (2.2). Here 20 bytes have room for a coarse normal as well, which discs need. Photons of one lamp have much the same flux, so that
-rounding it to eight bits does not average out; methods therefore keep 32 bytes.";
+The thesis keeps photons in 18 to 20 bytes (2.2). Here 20 bytes have room for a coarse normal as well, which discs need. Rounding does little harm, but look-ups take 1.4 to
+3 times as long: every photon that is looked at has to be unpacked. Methods keep 32 bytes.";
