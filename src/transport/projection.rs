@@ -30,7 +30,7 @@ pub struct SpecularBoxes(Vec<Box3>);
 impl SpecularBoxes {
     /// Those of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let is_specular = |shape| scene.material(shape).lobes().any(Lobes::SPECULAR);
+        let is_specular = |shape| scene.lobes_at(shape).any(Lobes::SPECULAR);
         let all = scene.geometry.boxes_of(&is_specular);
         let room = ROOM * scene.geometry.bounding_sphere().1;
         let around = |run: &[(Vec3, Vec3)]| {

@@ -53,13 +53,12 @@ pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) 
     };
     match is_blocked {
         true => Rgb::ZERO,
-        false if joint.medium.is_none() => Rgb::ONE,
-        false => through_medium(scene, *joint, 0),
+        false => transmittance_of_media(scene, joint),
     }
 }
 
 /// The same where nothing is known to be in the way.
-#[inline]
+#[inline(always)]
 pub fn transmittance_of_media(scene: &Scene, joint: &Joint<'_>) -> Rgb {
     if joint.medium.is_none() { Rgb::ONE } else { through_medium(scene, *joint, 0) }
 }

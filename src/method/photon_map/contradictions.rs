@@ -99,7 +99,7 @@ impl Parameters {
             return None;
         };
         let problem = format!("\"{name}\" means nothing with this \"direct\"");
-        Some(Contradiction { problem, remedy: format!("leave it out, or let \"direct\" be {users}") })
+        refused(problem, &format!("leave it out, or let \"direct\" be {users}"))
     }
 
     /// How parameters of the irradiance cache contradict others, if they do.

@@ -31,7 +31,6 @@ use crate::transport::first_radius::RadiusBounds;
 use crate::transport::light_plan::{LightEnergies, LightPlan};
 use crate::transport::light_sights::LightSights;
 use crate::transport::photon_map::{LightLookup, LightSegment, Nearest, PhotonMap};
-use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::receiver::{Counting, Receiver};
 
 /// A look-up is used again where normals agree this well.
@@ -86,14 +85,7 @@ impl TwoPasses {
         cancel: &AtomicBool,
     ) -> Option<DirectLight<PhotonMap<LightSegment>>> {
         let random = PassRandom::independent(self.seed, stream, pass.index).part(set, MOST_PARTS);
-        let settings = PhotonSettings {
-            limits: self.limits,
-            first_stored_segment: 1,
-            narrow_takes_all: false,
-            random: &random,
-            paths: self.photons_per_pass,
-            guide: pass.guide,
-        };
+        let settings = self.photon_settings(&random, self.photons_per_pass, pass.guide);
         let mut trace = |kind: Stored| {
             let (photons, counters) =
                 trace_direct_photons(&self.scene, &settings, kind, self.grid(&self.direct), cancel)?;

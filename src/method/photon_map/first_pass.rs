@@ -59,14 +59,7 @@ impl TwoPasses {
         maps: &mut Maps<Vec<PhotonMap<f32>>>,
         cancel: &AtomicBool,
     ) -> Option<Counters> {
-        let settings = PhotonSettings {
-            limits: self.limits,
-            first_stored_segment: 1,
-            narrow_takes_all: false,
-            random,
-            paths: photons,
-            guide,
-        };
+        let settings = self.photon_settings(random, photons, guide);
         let (found, counters) = match (self.splitting.factor(), importance) {
             (1, None) => self.trace_all(&settings, cancel)?,
             (_, importance) => self.trace_some(&settings, importance, cancel)?,
@@ -74,6 +67,16 @@ impl TwoPasses {
         maps.global.push(found.global);
         maps.caustic.push(found.caustic);
         Some(counters)
+    }
+
+    /// Which photons are traced: all that pixels may look up.
+    pub(super) fn photon_settings<'a>(
+        &self,
+        random: &'a PassRandom,
+        paths: u32,
+        guide: Option<&'a EmissionGuide>,
+    ) -> PhotonSettings<'a> {
+        PhotonSettings { limits: self.limits, first_stored_segment: 1, narrow_takes_all: false, random, paths, guide }
     }
 
     /// Both maps hold the same photons.

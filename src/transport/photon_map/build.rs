@@ -171,8 +171,8 @@ impl OriginLookup for PhotonMap<f32> {
 impl PhotonMap<f32> {
     /// A map of those photons that `keep` wants, in the order that they have here.
     pub fn select(&self, grid: Grid, keep: impl Fn(&Photon) -> bool) -> Self {
-        let traced = |index: usize| OriginPhoton { photon: self.photon(index), extra: self.origin_distance(index) };
-        let photons: Vec<OriginPhoton> = (0..self.len()).map(traced).filter(|traced| keep(&traced.photon)).collect();
+        let all = (0..self.len()).map(|index| self.record(index));
+        let photons: Vec<OriginPhoton> = all.filter(|record| keep(&record.photon)).collect();
         Self::build(&[PhotonChunk::sort(&photons, &grid)], grid)
     }
 }

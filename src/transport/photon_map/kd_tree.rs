@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 
 use super::gather::FLATNESS;
 use super::photon::OriginPhoton;
-use super::{GatherQuery, Nearest, OriginLookup, Photon, PhotonLookup, PhotonMap, StoredPhoton};
+use super::{GatherQuery, Nearest, OriginLookup, Photon, PhotonLookup, PhotonMap, PhotonWith, StoredPhoton};
 use crate::math::Vec3;
 
 /// Photons of a run that is not split any more.
@@ -24,10 +24,9 @@ pub struct KdTree<R = Photon> {
     axes: Vec<u8>,
 }
 
-impl From<PhotonMap<f32>> for KdTree<OriginPhoton> {
-    fn from(map: PhotonMap<f32>) -> Self {
-        let record = |index: usize| OriginPhoton { photon: map.photon(index), extra: map.origin_distance(index) };
-        Self::build((0..map.len()).map(record).collect())
+impl<E: Copy + Default + Send + Sync> From<PhotonMap<E>> for KdTree<PhotonWith<E>> {
+    fn from(map: PhotonMap<E>) -> Self {
+        Self::build((0..map.len()).map(|index| map.record(index)).collect())
     }
 }
 
@@ -192,6 +191,6 @@ impl<R: StoredPhoton> PhotonLookup for KdTree<R> {
 impl OriginLookup for KdTree<OriginPhoton> {
     #[inline]
     fn origin_distance(&self, index: usize) -> f32 {
-        self.photons[index].extra
+        self.record(index).extra
     }
 }

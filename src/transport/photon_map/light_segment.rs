@@ -1,7 +1,7 @@
 //! Photons that know which light they came from.
 
 use super::photon::PhotonWith;
-use super::{KdTree, OriginLookup, PhotonLookup, PhotonMap};
+use super::{KdTree, OriginLookup, PhotonMap};
 
 /// The way of a photon that came straight from a light.
 #[derive(Clone, Copy, Debug, Default)]
@@ -46,12 +46,5 @@ impl LightLookup for KdTree<LightPhoton> {
     #[inline]
     fn light(&self, index: usize) -> u32 {
         self.record(index).extra.light
-    }
-}
-
-impl From<PhotonMap<LightSegment>> for KdTree<LightPhoton> {
-    fn from(map: PhotonMap<LightSegment>) -> Self {
-        let record = |index: usize| LightPhoton { photon: map.photon(index), extra: map.extras()[index] };
-        Self::build((0..map.len()).map(record).collect())
     }
 }

@@ -39,3 +39,10 @@ impl<E> PhotonMap<E> {
         &self.photons.extra
     }
 }
+
+impl<E: Copy + Sync> PhotonMap<E> {
+    /// The photon with an index, and what else is kept of it.
+    fn record(&self, index: usize) -> PhotonWith<E> {
+        PhotonWith { photon: self.photon(index), extra: self.photons.extra[index] }
+    }
+}
