@@ -8,7 +8,8 @@ use std::sync::Arc;
 use photonfarm::estimate::declaration::PHOTONS_EMITTED;
 use photonfarm::estimate::radius::shrinkage;
 use photonfarm::estimate::{
-    Declaration, Estimate, MergeError, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally, TallyError, Twin,
+    Declaration, Estimate, MergeError, PixelEvenness, PixelTally, RadiusField, RadiusRule, Region, Shard, ShardSums,
+    Tally, TallyError, Twin,
 };
 use photonfarm::math::random::{PathRandom, Stream};
 use progressive::{Job, reference_scene};
@@ -32,7 +33,20 @@ fn declaration(rule: RadiusRule) -> Arc<Declaration> {
 
 /// A tally of one pass of invented pixels.
 fn tally_of(first_pass: u32, rule: RadiusRule, pixels: &[PixelTally], emitted: u64) -> Tally {
-    let mut tally = Tally::from_pixels(shard(first_pass, 1, pixels.len() as u32), 1, &declaration(rule), pixels);
+    tally_with(first_pass, rule, pixels.iter().map(|pixel| (*pixel, PixelEvenness::default())), emitted)
+}
+
+/// The same, with how evenly the photons lie.
+fn tally_with(
+    first_pass: u32,
+    rule: RadiusRule,
+    pixels: impl Iterator<Item = (PixelTally, PixelEvenness)>,
+    emitted: u64,
+) -> Tally {
+    let (tallies, evenness) = pixels.unzip();
+    let sums = ShardSums { tallies, evenness };
+    let shard = shard(first_pass, 1, sums.tallies.len() as u32);
+    let mut tally = Tally::from_sums(shard, 1, &declaration(rule), &sums);
     tally.set_scalar(PHOTONS_EMITTED, emitted as f64);
     tally
 }
@@ -212,8 +226,8 @@ fn merge_law_cuts_into_shards_hardly_change_the_radius() {
 
 /// What a pixel finds where photons lie evenly in its disc, or on one side of an edge through its middle. A disc of radius 1 holds 20 of an
 /// even floor on average.
-fn disc(radius_squared: f32, is_even: bool, pass: u32, index: u32) -> PixelTally {
-    let mut pixel = PixelTally::default();
+fn disc(radius_squared: f32, is_even: bool, pass: u32, index: u32) -> (PixelTally, PixelEvenness) {
+    let (mut pixel, mut evenness) = (PixelTally::default(), PixelEvenness::default());
     for photon in 0..poisson(20.0 * f64::from(radius_squared), pass, index) as u32 {
         let [angle, area, ..] = uniform(1000 + pass, index, photon);
         let (sine, cosine) = (std::f32::consts::TAU * angle).sin_cos();
@@ -221,11 +235,11 @@ fn disc(radius_squared: f32, is_even: bool, pass: u32, index: u32) -> PixelTally
             pixel.photons += 1.0;
             pixel.flux = pixel.flux.map(|flux| flux + 1.0);
             pixel.inner_flux += if area < 0.5 { 1.0 } else { 0.0 };
-            pixel.flux_slope = [pixel.flux_slope[0] + cosine, pixel.flux_slope[1] + sine];
-            pixel.squared_flux += 1.0;
+            evenness.flux_slope = [evenness.flux_slope[0] + cosine, evenness.flux_slope[1] + sine];
+            evenness.squared_flux += 1.0;
         }
     }
-    pixel
+    (pixel, evenness)
 }
 
 /// By `uniformity` a radius shrinks in half of the passes where photons lie evenly; beside an edge as by `statistics`. Neither
@@ -239,8 +253,8 @@ fn merge_law_uniformity_shrinks_only_uneven_discs() {
         for pass in 0..PASSES {
             let field = estimate.radius_field(region(ROWS));
             let radii = (0..).zip(&field.radius_squared);
-            let pixels: Vec<PixelTally> = radii.map(|(index, radius)| disc(*radius, is_even, pass, index)).collect();
-            estimate.merge(&tally_of(pass, rule, &pixels, PHOTONS), &field).expect("the tally fits");
+            let pixels = radii.map(|(index, radius)| disc(*radius, is_even, pass, index));
+            estimate.merge(&tally_with(pass, rule, pixels, PHOTONS), &field).expect("the tally fits");
         }
         let radii = mean_and_error(&estimate.pixels().iter().map(|pixel| pixel.radius_squared).collect::<Vec<_>>());
         let density = |pixel: usize| estimate.sums(pixel, &BOTH).flux_density[0] / f64::from(PASSES);

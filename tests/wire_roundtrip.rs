@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
+use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Region, Shard, ShardSums, Tally};
 use photonfarm::farm::ids::{Fencing, JobId, LeaseId};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::wire::first_surfaces;
@@ -36,8 +36,8 @@ fn tally() -> Tally {
         inner_flux: 0.25 * index as f32,
         ..PixelTally::default()
     };
-    let pixels: Vec<PixelTally> = (0..REGION.pixel_count(700)).map(pixel).collect();
-    Tally { scalars: vec![9.0, 8.0, 7.0, 6.0], ..Tally::from_pixels(SHARD, 700, &gathering(), &pixels) }
+    let sums = ShardSums { tallies: (0..REGION.pixel_count(700)).map(pixel).collect(), evenness: Vec::new() };
+    Tally { scalars: vec![9.0, 8.0, 7.0, 6.0], ..Tally::from_sums(SHARD, 700, &gathering(), &sums) }
 }
 
 fn pilot(fields: Vec<PilotField>, cost_per_pass: u64) -> Pilot {

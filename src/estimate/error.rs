@@ -219,15 +219,15 @@ impl Smooth {
 
     /// 1/(Y² + floor) of a pixel.
     fn inverse_square(&self, row: usize, column: usize) -> f64 {
+        let own = self.mean(row, column, 0)[0];
         let mut inverse = 0.0;
         for reach in REACHES {
-            let [gray, _, pixels] = self.mean(row, column, reach);
-            // A single pixel's variance is too noisy to trust.
-            let variance = self.mean(row, column, reach.max(1))[1];
+            // A single pixel's variance is too noisy to trust: that of its neighbours stands for it.
+            let [around, variance, pixels] = self.mean(row, column, reach.max(1));
             let (gray, pixels, known) = match reach {
-                0 => (gray, 1.0, KNOWN_ALONE),
+                0 => (own, 1.0, KNOWN_ALONE),
                 _ if pixels < 2.0 => break,
-                _ => ((gray * pixels - self.mean(row, column, 0)[0]) / (pixels - 1.0), pixels - 1.0, KNOWN),
+                _ => ((around * pixels - own) / (pixels - 1.0), pixels - 1.0, KNOWN),
             };
             inverse = 1.0 / (gray * gray + self.floor);
             if variance / pixels * inverse < known {

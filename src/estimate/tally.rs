@@ -2,42 +2,9 @@
 
 use std::sync::Arc;
 
-use bytemuck::{Pod, Zeroable};
-
-use super::declaration::{
-    Declaration, FLUX, FLUX_SLOPE, INNER_FLUX, PHOTONS, PHOTONS_EMITTED, PlaneDeclaration, PlaneRule, RADIANCE,
-    SQUARED_FLUX, ScalarRule,
-};
+use super::declaration::{Declaration, PHOTONS_EMITTED, PlaneDeclaration, PlaneRule, ScalarRule};
 use super::shard::Shard;
-
-/// The sums of one pixel while a shard is traced. Methods add passes to it; the tally keeps the declared planes of it.
-///
-/// A pass `i` gathers with radius² `R²ᵢ = ρᵢ·R²` where `R²` is the pixel's value in the shard's radius field and `ρᵢ` is the
-/// same for all pixels; its counts and flux are divided by `ρᵢ` so that the sums all refer to `R²`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-#[repr(C)]
-pub struct PixelTally {
-    /// Σ of radiance that needs no density estimate (emission seen, sampled direct light), W·sr⁻¹·m⁻².
-    pub radiance: [f32; 3],
-    /// Σ Φᵢ/ρᵢ, Φ = T·Σ f_r·α: un-normalised reflected flux, W·sr⁻¹.
-    pub flux: [f32; 3],
-    /// Σ Mᵢ/ρᵢ: photons found.
-    pub photons: f32,
-    /// Mean of the channels of the flux that was found inside half the disc's area, Σ Φ'ᵢ/ρᵢ, W·sr⁻¹. The bias is estimated from it.
-    pub inner_flux: f32,
-    /// Σ over photons of their flux, mean of the channels, times the unit vector from the disc's middle to them, over ρᵢ, W·sr⁻¹. This and the
-    /// squares are summed where radii shrink by [`RadiusRule::Uniformity`](super::radius::RadiusRule).
-    pub flux_slope: [f32; 2],
-    /// Σ over photons of the square of their flux, mean of the channels, over ρᵢ², W²·sr⁻².
-    pub squared_flux: f32,
-}
-
-/// The words of a [`PixelTally`].
-const WORDS: usize = size_of::<PixelTally>() / size_of::<f32>();
-
-/// The planes that [`PixelTally`] has sums for, each with the place of its first channel and the number of channels.
-const ACCUMULATED: [(&str, usize, usize); 6] =
-    [(RADIANCE, 0, 3), (FLUX, 3, 3), (PHOTONS, 6, 1), (INNER_FLUX, 7, 1), (FLUX_SLOPE, 8, 2), (SQUARED_FLUX, 10, 1)];
+use super::shard_sums::{PixelTally, ShardSums, set_plane};
 
 /// What a shard returns.
 #[derive(Clone, Debug, PartialEq)]
@@ -111,31 +78,22 @@ impl Tally {
         Self { shard, width, declaration: declaration.clone(), planes, scalars }
     }
 
-    /// The declared planes of accumulated pixels; planes that the accumulator has no sums for are 0.
-    pub fn from_pixels(shard: Shard, width: u32, declaration: &Arc<Declaration>, pixels: &[PixelTally]) -> Self {
-        let words: &[[f32; WORDS]] = bytemuck::cast_slice(pixels);
-        let plane = |declared: &PlaneDeclaration| match accumulated(declared) {
-            None => vec![0.0; declared.channels * pixels.len()],
-            Some(first) => {
-                let channels = first..first + declared.channels;
-                channels.flat_map(|word| words.iter().map(move |words| words[word])).collect()
-            }
-        };
+    /// The declared planes of what pixels added up; planes that there are no sums for are 0.
+    pub fn from_sums(shard: Shard, width: u32, declaration: &Arc<Declaration>, sums: &ShardSums) -> Self {
+        let pixels = sums.tallies.len();
+        let plane = |declared| sums.plane(declared).unwrap_or_else(|| vec![0.0; declared.channels * pixels]);
         let planes = declaration.planes.iter().map(plane).collect();
         let scalars = vec![0.0; declaration.scalars.len()];
         Self { shard, width, declaration: declaration.clone(), planes, scalars }
     }
 
-    /// The inverse of [`Self::from_pixels`]; what is not declared is 0.
+    /// What every method's pixels added up; what is not declared is 0.
     pub fn pixels(&self) -> Vec<PixelTally> {
-        let mut words = vec![[0.0f32; WORDS]; self.shard.region.pixel_count(self.width)];
+        let mut pixels = vec![PixelTally::default(); self.shard.region.pixel_count(self.width)];
         for (declared, plane) in self.declaration.planes.iter().zip(&self.planes) {
-            let Some(first) = accumulated(declared) else { continue };
-            for (channel, values) in plane.chunks(words.len().max(1)).enumerate() {
-                words.iter_mut().zip(values).for_each(|(words, value)| words[first + channel] = *value);
-            }
+            set_plane(&mut pixels, declared, plane);
         }
-        bytemuck::cast_vec(words)
+        pixels
     }
 
     /// A plane by name.
@@ -188,12 +146,6 @@ impl Tally {
         }
         Ok(())
     }
-}
-
-/// Where the accumulator has the sums of a plane.
-fn accumulated(plane: &PlaneDeclaration) -> Option<usize> {
-    let is_same = |(name, _, channels): &&(&str, usize, usize)| *name == plane.name && *channels == plane.channels;
-    ACCUMULATED.iter().find(is_same).map(|(_, first, _)| *first)
 }
 
 fn is_dark(plane: &[f32]) -> bool {

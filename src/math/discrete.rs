@@ -57,6 +57,9 @@ impl Discrete {
     /// Picks an index with `u` in [0, 1) and gives back `u` rescaled to [0, 1) for further use.
     #[inline]
     pub fn pick(&self, u: f32) -> (usize, f32) {
+        if self.cumulative.len() == 1 {
+            return (0, u.clamp(0.0, ONE_MINUS_EPSILON));
+        }
         let index = if self.guide.is_empty() { self.find(u) } else { self.find_by_guide(u) };
         let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
         let width = self.cumulative[index] - below;

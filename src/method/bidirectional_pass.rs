@@ -15,7 +15,7 @@ use super::parameter_values::{Auto, DirectLight};
 use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::pilot::CameraPaths;
 use super::{Pass, PilotPass, PreparedMethod};
-use crate::estimate::{PixelTally, Region};
+use crate::estimate::{PixelTally, Region, ShardSums};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
@@ -275,16 +275,17 @@ fn pixels_of(region: Region, width: u32) -> Range<u32> {
 }
 
 impl PreparedMethod for BidirectionalPasses {
-    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
+    fn trace_pass(&self, pass: &Pass<'_>, sums: &mut ShardSums, cancel: &AtomicBool) -> Option<Counters> {
         let mut total = Counters::default();
         let paths = match self.traces_light() {
-            true => self.light_paths(pass, pixels, &mut total, cancel)?,
+            true => self.light_paths(pass, &mut sums.tallies, &mut total, cancel)?,
             false => LightPaths::default(),
         };
         let random = PassRandom::of_pixels(self.seed, Stream::Camera, pass.index);
         let walk = self.camera_walk(&random);
         let width = self.scene.width as usize;
-        let counters: Vec<Counters> = pixels
+        let counters: Vec<Counters> = sums
+            .tallies
             .par_chunks_mut(width)
             .enumerate()
             .map(|(row, tallies)| {
@@ -323,7 +324,7 @@ impl PreparedMethod for BidirectionalPasses {
         let region = Region { row_start: 0, row_end: self.scene.height };
         let pass =
             Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0, guide: None };
-        let mut nobody_looks = vec![PixelTally::default(); self.scene.pixel_count()];
+        let mut nobody_looks = ShardSums::zero(self.scene.pixel_count());
         Some(PilotPass::without_fields(self.trace_pass(&pass, &mut nobody_looks, cancel)?).and_guide(guide))
     }
 }

@@ -27,7 +27,7 @@ use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
 
-use crate::estimate::{Declaration, PixelTally, Region};
+use crate::estimate::{Declaration, Region, ShardSums};
 use crate::scene::Scene;
 use crate::scene::error::nearest_name;
 use crate::scene::light::emission_guide::EmissionGuide;
@@ -145,9 +145,9 @@ impl SceneTraits {
 
 /// A method prepared for one scene, with its parameters and the job's seed. Every function is pure.
 pub trait PreparedMethod: Send + Sync {
-    /// Adds pass `pass` to `pixels` (the region's, in row order), in the sums that the method declares; `None` when `cancel` was set meanwhile, and then `pixels`
+    /// Adds pass `pass` to the region's `sums`, as far as the method declares them; `None` when `cancel` was set meanwhile, and then the sums
     /// are of no use. Runs on the calling rayon pool.
-    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters>;
+    fn trace_pass(&self, pass: &Pass<'_>, sums: &mut ShardSums, cancel: &AtomicBool) -> Option<Counters>;
 
     /// Finds what is needed before the first pass, and counts what a pass costs; `None` when cancelled.
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass>;

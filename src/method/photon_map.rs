@@ -74,7 +74,7 @@ use super::visibility_pilot::LightSampling;
 use super::{
     Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits,
 };
-use crate::estimate::{PixelTally, Region};
+use crate::estimate::{Region, ShardSums};
 use crate::math::random::{PassRandom, Stream};
 use crate::scene::Scene;
 use crate::scene::light::emission_guide::EmissionGuide;
@@ -179,8 +179,8 @@ impl Parameters {
 }
 
 impl PreparedMethod for TwoPasses {
-    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
-        TracedPass { method: self, streams: [Stream::Photon, Stream::Camera], pass, cancel }.trace(pixels)
+    fn trace_pass(&self, pass: &Pass<'_>, sums: &mut ShardSums, cancel: &AtomicBool) -> Option<Counters> {
+        TracedPass { method: self, streams: [Stream::Photon, Stream::Camera], pass, cancel }.trace(&mut sums.tallies)
     }
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::Pass;
 use super::parameter_values::{Auto, DirectLight, Emission};
-use crate::estimate::{PixelTally, RadiusRule};
+use crate::estimate::{PixelEvenness, PixelTally, RadiusRule};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::scene::Scene;
@@ -244,11 +244,11 @@ fn gather_in_sight(
 
 /// Adds how evenly lies what a pass found in a pixel; what is not finite is dropped. It is counted as flux.
 #[inline]
-pub fn add_evenness(pixel: &mut PixelTally, pass: &Pass<'_>, evenness: &Evenness) {
+pub fn add_evenness(sums: &mut PixelEvenness, pass: &Pass<'_>, evenness: &Evenness) {
     if evenness.is_finite() {
         let inverse_scale = 1.0 / pass.scale;
-        pixel.flux_slope = [0, 1].map(|axis| pixel.flux_slope[axis] + evenness.slope[axis] * inverse_scale);
-        pixel.squared_flux += evenness.squares * inverse_scale * inverse_scale;
+        sums.flux_slope = [0, 1].map(|axis| sums.flux_slope[axis] + evenness.slope[axis] * inverse_scale);
+        sums.squared_flux += evenness.squares * inverse_scale * inverse_scale;
     }
 }
 

@@ -33,7 +33,7 @@ use super::shared_parameters::{
 };
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits};
-use crate::estimate::{PixelTally, RadiusRule, Region};
+use crate::estimate::{RadiusRule, Region, ShardSums};
 use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::scene::Scene;
@@ -285,7 +285,7 @@ impl Ppm {
 }
 
 impl PreparedMethod for Ppm {
-    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
+    fn trace_pass(&self, pass: &Pass<'_>, sums: &mut ShardSums, cancel: &AtomicBool) -> Option<Counters> {
         let hit_points = self.hit_points(pass.region, cancel)?;
         let photons = PhotonsOf::pass(pass);
         let (map, mut total) =
@@ -293,14 +293,14 @@ impl PreparedMethod for Ppm {
         let width = self.passes.scene.width as usize;
         let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         // Random numbers are addressed by the hit point's place in its row, which no region changes.
-        let rows = pixels.par_chunks_mut(width).enumerate();
+        let rows = sums.rows(width).into_par_iter().enumerate();
         let counters: Vec<Counters> = rows
-            .map(|(row, tallies)| {
+            .map(|(row, sums)| {
                 let mut counters = Counters::default();
                 if cancel.load(Ordering::Relaxed) {
                     return counters;
                 }
-                for (column, tally) in tallies.iter_mut().enumerate() {
+                for (column, tally) in sums.tallies.iter_mut().enumerate() {
                     let pixel = row * width + column;
                     let range = hit_points.first[pixel] as usize..hit_points.first[pixel + 1] as usize;
                     let picture_pixel = pass.region.row_start as usize * width + pixel;
@@ -311,7 +311,9 @@ impl PreparedMethod for Ppm {
                         self.trace_pixel(pass, &map, points, &random, (address, radius), &mut counters);
                     let radiance = radiance + Rgb::from_array(hit_points.seen[pixel]);
                     add_to_tally(tally, pass, radiance, &found.gathered, &mut counters);
-                    add_evenness(tally, pass, &found.evenness);
+                    if let Some(sums) = sums.evenness.get_mut(column) {
+                        add_evenness(sums, pass, &found.evenness);
+                    }
                 }
                 counters
             })

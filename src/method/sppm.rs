@@ -31,11 +31,12 @@ use super::shared_parameters::{
 };
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits};
-use crate::estimate::{PixelTally, RadiusRule};
+use crate::estimate::{PixelTally, RadiusRule, ShardSums};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::emission_learning::GuideParts;
+use crate::transport::evenness::Evenness;
 use crate::transport::occlusion::Occlusion;
 use crate::transport::photon_map::{OriginPhoton, PhotonMap};
 
@@ -118,7 +119,7 @@ struct Sppm {
 }
 
 impl Sppm {
-    /// One pixel of one pass.
+    /// One pixel of one pass; how evenly lies what it found.
     #[inline]
     fn trace_pixel(
         &self,
@@ -128,7 +129,7 @@ impl Sppm {
         radius_squared: f32,
         tally: &mut PixelTally,
         counters: &mut Counters,
-    ) {
+    ) -> Evenness {
         let mut found = Found::default();
         let disc = (radius_squared * pass.scale, self.radius_rule);
         let radiance = self.passes.camera_path(random, pixel, counters, |point, radiance, counters| {
@@ -136,29 +137,32 @@ impl Sppm {
             self.passes.add_gathered(map, (point, point.throughput), disc, &mut found, counters);
         });
         add_to_tally(tally, pass, radiance, &found.gathered, counters);
-        add_evenness(tally, pass, &found.evenness);
+        found.evenness
     }
 }
 
 impl PreparedMethod for Sppm {
-    fn trace_pass(&self, pass: &Pass<'_>, pixels: &mut [PixelTally], cancel: &AtomicBool) -> Option<Counters> {
+    fn trace_pass(&self, pass: &Pass<'_>, sums: &mut ShardSums, cancel: &AtomicBool) -> Option<Counters> {
         let photons = PhotonsOf::pass(pass);
         let (map, mut total) =
             self.passes.trace_photons::<OriginPhoton>(&photons, pass.typical_radius_squared, cancel)?;
         let random = PassRandom::of_pixels(self.passes.seed, Stream::Camera, pass.index);
         let width = self.passes.scene.width as usize;
         let first_pixel = pass.region.row_start as usize * width;
-        let rows = pixels.par_chunks_mut(width).zip(pass.radius_squared.par_chunks(width)).enumerate();
+        let rows = sums.rows(width).into_par_iter().zip(pass.radius_squared.par_chunks(width)).enumerate();
         let counters: Vec<Counters> = rows
-            .map(|(row, (tallies, radii))| {
+            .map(|(row, (sums, radii))| {
                 let mut counters = Counters::default();
                 if cancel.load(Ordering::Relaxed) {
                     return counters;
                 }
-                for (column, (tally, radius)) in tallies.iter_mut().zip(radii).enumerate() {
+                for (column, (tally, radius)) in sums.tallies.iter_mut().zip(radii).enumerate() {
                     let pixel = first_pixel + row * width + column;
                     let path = (pixel, &random.path(pixel as u32));
-                    self.trace_pixel(pass, &map, path, *radius, tally, &mut counters);
+                    let evenness = self.trace_pixel(pass, &map, path, *radius, tally, &mut counters);
+                    if let Some(sums) = sums.evenness.get_mut(column) {
+                        add_evenness(sums, pass, &evenness);
+                    }
                 }
                 counters
             })

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::estimate::declaration::{NON_FINITE, PHOTONS_EMITTED, PHOTONS_STORED, RAYS};
-use crate::estimate::{Declaration, PixelTally, RadiusField, Shard, Tally};
+use crate::estimate::{Declaration, RadiusField, Shard, ShardSums, Tally};
 use crate::method::{
     self, CheckedMethod, EMISSION_GUIDE, FIRST_RADIUS_SQUARED, LIGHT_VISIBILITY, MethodError, Pass, PilotField,
     PreparedMethod,
@@ -160,7 +160,7 @@ impl Renderer {
 
     /// Traces a shard with the radii of `field` (one per pixel of the shard's region where the method gathers), on the calling rayon pool.
     pub fn trace(&self, shard: Shard, field: &RadiusField, cancel: &AtomicBool) -> Result<Tally, Cancelled> {
-        let mut pixels = vec![PixelTally::default(); shard.region.pixel_count(self.scene.width)];
+        let mut sums = ShardSums::zero_declared(shard.region.pixel_count(self.scene.width), &self.declaration);
         let mut total = Counters::default();
         for index in shard.pass_indices() {
             let scale = field.scale_of_pass(self.declaration.radius_rule, self.declaration.alpha, index);
@@ -172,9 +172,9 @@ impl Renderer {
                 typical_radius_squared: field.typical_radius_squared * scale,
                 guide: self.guide.as_deref(),
             };
-            total += self.method.trace_pass(&pass, &mut pixels, cancel).ok_or(Cancelled)?;
+            total += self.method.trace_pass(&pass, &mut sums, cancel).ok_or(Cancelled)?;
         }
-        let mut tally = Tally::from_pixels(shard, self.scene.width, &self.declaration, &pixels);
+        let mut tally = Tally::from_sums(shard, self.scene.width, &self.declaration, &sums);
         tally.set_scalar(PHOTONS_EMITTED, total.photons_emitted as f64);
         tally.set_scalar(PHOTONS_STORED, total.photons_stored as f64);
         tally.set_scalar(RAYS, total.rays as f64);

@@ -205,16 +205,9 @@ impl Scene {
     }
 
     /// The first surface along `ray`, with all that its material needs.
-    // A call of its own that holds all of the search, and changes what it found in place: else every hit is copied once more.
-    #[inline(never)]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
-        let mut found = self.geometry.intersect(ray);
-        if let Some(hit) = &mut found
-            && hit.shape.needs_partials
-        {
-            hit.detail = self.geometry.partials_in_frame(hit);
-        }
-        found
+        self.geometry.intersect(ray)
     }
 
     /// The first surface that a camera ray meets.

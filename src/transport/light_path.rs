@@ -34,7 +34,7 @@ pub trait LightVertices {
 }
 
 /// Where the path with the numbers `random` starts.
-#[inline]
+#[inline(always)]
 pub fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &PathRandom) -> EmissionPoint {
     let place = random.block(dimension::EMISSION);
     let direction = random.block(dimension::EMISSION_DIRECTION);

@@ -62,9 +62,9 @@ impl<R: TracedPhoton> LightVertices for Storing<'_, R> {
         let Self { scene, settings, path, scattered, .. } = *self;
         let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
         if walk.segments >= settings.first_stored_segment && scene.lobes_at(hit.shape).any(takers) {
-            let photon = stored(hit, walk.throughput, walk.segments, scattered);
-            let segment = PathSegment { path, length: hit.distance };
-            self.photons.extend(photon.map(|photon| R::traced(photon, segment)));
+            if let Some(photon) = stored(hit, walk.throughput, walk.segments, scattered) {
+                self.photons.push(R::traced(photon, PathSegment { path, length: hit.distance }));
+            }
         }
     }
 

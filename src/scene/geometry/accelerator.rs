@@ -119,12 +119,7 @@ impl Accelerator {
         if self.blocks.len() <= FEW_BLOCKS {
             return self.blocks.iter().any(blocks);
         }
-        !self.tree.ray_traverse_miss(
-            self.tree_ray(ray),
-            |_, index| {
-                if blocks(&self.blocks[index]) { 0.0 } else { f32::INFINITY }
-            },
-        )
+        visit_any(&self.tree, self.tree_ray(ray), |index| blocks(&self.blocks[index]))
     }
 
     /// Adds the primitives that may reach into `layer`, until there are too many.
@@ -220,9 +215,8 @@ impl BoxTree {
 
     /// Shows `visit` the boxes along `ray` until it says yes; whether it did.
     #[inline]
-    pub fn visit_any(&self, ray: &Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
-        let answer = |yes| if yes { 0.0 } else { f32::INFINITY };
-        !self.tree.ray_traverse_miss(tree_ray(ray, self.scale), |_, index| answer(visit(index)))
+    pub fn visit_any(&self, ray: &Ray, visit: impl FnMut(usize) -> bool) -> bool {
+        visit_any(&self.tree, tree_ray(ray, self.scale), visit)
     }
 }
 
@@ -235,6 +229,19 @@ fn visit_nearest(tree: &CwBvh, mut ray: obvhs::ray::Ray, mut visit: impl FnMut(u
     traverse!(tree, node, state, node.intersect_ray(&ray, state.oct_inv4), {
         ray.tmax = visit(state.primitive_id as usize).min(ray.tmax);
     });
+}
+
+/// Whether `visit` says so of any box along `ray`. Part of its caller, too.
+#[inline(always)]
+fn visit_any(tree: &CwBvh, ray: obvhs::ray::Ray, mut visit: impl FnMut(usize) -> bool) -> bool {
+    let mut state = tree.new_traversal(ray.direction);
+    let mut node;
+    traverse!(tree, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+        if visit(state.primitive_id as usize) {
+            return true;
+        }
+    });
+    false
 }
 
 /// Shows `goes_on` the boxes that meet the one around `layer`, until it says no.

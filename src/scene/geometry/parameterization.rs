@@ -14,7 +14,7 @@
 use glam::{Vec2, Vec3, Vec4};
 
 use super::ray::SurfacePoint;
-use super::surface::{Geometry, Interaction, NO_INSTANCE};
+use super::surface::{Geometry, Interaction, NO_INSTANCE, Shape};
 use super::texture_point::{Detail, TexturePoint};
 use crate::math::{Frame, warp};
 
@@ -52,6 +52,24 @@ impl<T: Copy> AtVertices<T> {
     }
 }
 
+/// What a hit has where its material looks at texture coordinates.
+pub(super) struct Parameterized {
+    /// Texture coordinates.
+    pub(super) uv: Vec2,
+    /// The shading frame, with its tangent along ∂p/∂u.
+    pub(super) frame: Frame,
+    /// What else the material needs.
+    pub(super) detail: Detail,
+}
+
+impl Parameterized {
+    /// Of a shape that needs none of it.
+    #[inline(always)]
+    pub(super) fn around(normal: Vec3) -> Self {
+        Self { uv: Vec2::ZERO, frame: Frame::from_normal(normal), detail: Detail::default() }
+    }
+}
+
 impl Geometry {
     /// ∂p/∂u and ∂p/∂v at a hit, m, in world space. Both are zero where texture coordinates do not tell points apart.
     ///
@@ -80,20 +98,29 @@ impl Geometry {
         TexturePoint { uv: self.uv_at(primitive, position, barycentric), detail: detail.unwrap_or(Detail::NOWHERE) }
     }
 
-    /// Fills in `uv` and the place on a mesh, and turns the frame so that its tangent is along ∂p/∂u.
+    /// Texture coordinates, frame and detail at a point of the primitive at a tree index of `shape`, which needs them. `normal` is the shading normal.
     #[inline(never)]
-    pub(super) fn parameterize(&self, hit: &mut Interaction, barycentric: [f32; 2]) {
-        hit.uv = self.uv_at(hit.primitive, hit.position, barycentric);
-        if let Some(own) = self.own_indices.get(hit.primitive as usize) {
-            hit.detail = Detail::on_mesh(*own, barycentric);
-        }
-        if let Some(given) = self.tangents.get(hit.primitive).and_then(|triangle| between(triangle, barycentric)) {
-            hit.frame = tangent_frame(hit.frame.normal, given.truncate(), given.w < 0.0);
-            return;
-        }
-        let tangent = self.partials_at(hit.primitive, hit.position)[0];
-        // Right-handed even where coordinates are mirrored: so are the frames of Mitsuba (3.9.1), and its normal maps with them.
-        hit.frame = tangent_frame(hit.frame.normal, tangent, false);
+    pub(super) fn parameterized(
+        &self,
+        shape: Shape,
+        primitive: u32,
+        position: Vec3,
+        normal: Vec3,
+        barycentric: [f32; 2],
+    ) -> Parameterized {
+        let uv = self.uv_at(primitive, position, barycentric);
+        let given = self.tangents.get(primitive).and_then(|triangle| between(triangle, barycentric));
+        let frame = match given {
+            Some(given) => tangent_frame(normal, given.truncate(), given.w < 0.0),
+            // Right-handed even where coordinates are mirrored: so are the frames of Mitsuba (3.9.1), and its normal maps with them.
+            None => tangent_frame(normal, self.partials_at(primitive, position)[0], false),
+        };
+        let detail = match self.own_indices.get(primitive as usize) {
+            _ if shape.needs_partials => Detail::in_frame(&frame, self.partials_at(primitive, position)),
+            Some(own) => Detail::on_mesh(*own, barycentric),
+            None => Detail::default(),
+        };
+        Parameterized { uv, frame, detail }
     }
 
     /// Texture coordinates at a point of the primitive at a tree index; only triangles look at `barycentric`.

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3, Vec4};
 use super::accelerator::Accelerator;
 use super::instance::{Instance, Instances};
 use super::mesh::ShapeGeometry;
-use super::parameterization::AtVertices;
+use super::parameterization::{AtVertices, Parameterized};
 use super::primitive::Primitive;
 use super::ray::{PrimitiveHit, Ray, SurfacePoint};
 use super::texture_point::{Detail, TexturePoint};
@@ -236,8 +236,9 @@ impl Geometry {
         self.shapes[shape].light = light;
     }
 
-    /// The first surface along `ray`.
-    #[inline(always)]
+    /// The first surface along `ray`, with all that its material needs.
+    // A call of its own that holds all of the search, so that it writes the hit to where it is wanted.
+    #[inline(never)]
     pub fn intersect(&self, ray: &Ray) -> Option<Interaction> {
         let nearest = self.accelerator.nearest(ray);
         if let Some(instances) = &self.instances {
@@ -256,7 +257,11 @@ impl Geometry {
     ) -> Option<Interaction> {
         let length = nearest.map_or(ray.length, |(_, hit)| hit.distance);
         if let Some(found) = instances.nearest(&Ray { length, ..*ray }) {
-            return Some(instances.interaction(ray, &found));
+            let mut hit = instances.interaction(ray, &found);
+            if hit.shape.needs_partials {
+                hit.detail = Detail::in_frame(&hit.frame, self.partials(&hit));
+            }
+            return Some(hit);
         }
         let (index, hit) = nearest?;
         Some(self.interaction(ray, index, &hit))
@@ -266,13 +271,6 @@ impl Geometry {
     #[inline]
     pub fn is_blocked(&self, ray: &Ray) -> bool {
         self.accelerator.is_blocked(ray) || self.instances.as_ref().is_some_and(|instances| instances.is_blocked(ray))
-    }
-
-    /// [`Detail::partials`] of a hit.
-    #[inline(never)]
-    pub fn partials_in_frame(&self, hit: &Interaction) -> Detail {
-        let [along_u, along_v] = self.partials(hit).map(|partial| hit.frame.to_local(partial));
-        Detail::of_partials([along_u.x, along_v.x, along_v.y])
     }
 
     // Inlined always: as a call of its own it would copy every hit once more.
@@ -285,27 +283,28 @@ impl Geometry {
             shading => self.shading_normal(shading, hit.barycentric, point.normal),
         };
         let shape = self.shapes[info.shape as usize];
-        let mut interaction = Interaction {
+        // Given by value: a hit whose address is known elsewhere would be copied once more.
+        let Parameterized { uv, frame, detail } = match shape.needs_uv {
+            true => self.parameterized(shape, index as u32, point.position, shading, hit.barycentric),
+            false => Parameterized::around(shading),
+        };
+        Interaction {
             position: point.position,
             geometric_normal: geometric,
-            frame: Frame::from_normal(shading),
-            uv: Vec2::ZERO,
+            frame,
+            uv,
             outgoing: -ray.direction,
             distance: hit.distance,
             shape,
             primitive: index as u32,
             instance: NO_INSTANCE,
             error: point.error,
-            detail: Detail::default(),
-        };
-        if shape.needs_uv {
-            self.parameterize(&mut interaction, hit.barycentric);
+            detail,
         }
-        interaction
     }
 
     /// A point uniform by area on the primitive at a tree index, with its normal on the side that a hit there has it.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, primitive: u32, u: [f32; 2]) -> SurfacePoint {
         let mut point = self.primitive(primitive).sample(u);
         if !self.shading_normals.is_empty() {

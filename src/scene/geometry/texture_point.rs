@@ -1,6 +1,8 @@
 //! Where on a surface a texture is looked up.
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
+
+use crate::math::Frame;
 
 /// What few materials need of a hit beyond its texture coordinates: the partial derivatives of places, or a place on a mesh.
 /// A shape needs one of them at most, so that they share three words and every other scene pays for no more.
@@ -14,6 +16,12 @@ impl Detail {
     /// (a, b, c), where ∂p/∂u and ∂p/∂v are (a, 0) and (b, c) along the frame's tangent and bitangent, m.
     pub fn of_partials(partials: [f32; 3]) -> Self {
         Self(partials.map(f32::to_bits))
+    }
+
+    /// Of these ∂p/∂u and ∂p/∂v, m.
+    pub fn in_frame(frame: &Frame, partials: [Vec3; 2]) -> Self {
+        let [along_u, along_v] = partials.map(|partial| frame.to_local(partial));
+        Self::of_partials([along_u.x, along_v.x, along_v.y])
     }
 
     /// See [`Detail::of_partials`]; 0 where nothing asked for them.

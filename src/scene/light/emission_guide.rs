@@ -214,7 +214,8 @@ impl EmissionGuide {
     }
 
     /// The point that five numbers in [0, 1) stand for, of which `pick` picks the cell.
-    #[inline]
+    // A call of its own: emission by power, which nearly all scenes have, carries none of it.
+    #[inline(never)]
     pub fn point(&self, numbers: [f32; DIMENSIONS], pick: f32) -> EmissionPoint {
         let pick = (pick * PICKS as f32) as u32;
         let index = self.ends.partition_point(|end| *end <= pick).min(self.cells.len() - 1);

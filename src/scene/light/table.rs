@@ -353,7 +353,7 @@ impl LightTable {
     }
 
     /// Where photons with these numbers start: as `guide` says, else anywhere on a light that is picked.
-    #[inline]
+    #[inline(always)]
     pub fn emission_point(&self, guide: Option<&EmissionGuide>, place: [f32; 3], direction: [f32; 2]) -> EmissionPoint {
         let numbers = [place[0], place[1], direction[0], direction[1]];
         match guide {
