@@ -108,13 +108,9 @@ fn merge_a_1920_by_1080_tally(bencher: Bencher<'_, '_>) {
     let first = vec![1e-4f32; pixels];
     let declaration = Arc::new(Declaration::gathering(RadiusRule::Statistics, 2.0 / 3.0));
     let estimate = Estimate::new(width, height, &[region], declaration.clone(), &first).expect("one radius per pixel");
-    let found =
-        vec![
-            PixelTally { radiance: [1.0; 3], flux: [2.0; 3], photons: 30.0, inner_flux: 1.0, ..PixelTally::default() };
-            pixels
-        ];
+    let found = vec![PixelTally { radiance: [1.0; 3], flux: [2.0; 3], photons: 30.0, inner_flux: 1.0 }; pixels];
     let shard = Shard { first_pass: 0, passes: 8, region };
-    let mut tally = Tally::from_pixels(shard, width, &declaration, &found);
+    let mut tally = Tally::from_sums(shard, width, &declaration, &found.into());
     tally.set_scalar(PHOTONS_EMITTED, 1.0);
     let field = RadiusField { radius_squared: first, base_pass: 0, typical_radius_squared: 1e-4 };
     let bytes = pixels * size_of::<PixelTally>();

@@ -34,7 +34,7 @@ fn invented(passes: u32, sample: impl Fn(u32, u32) -> Sample) -> Estimate {
             pixel.inner_flux = inner * per_photon;
         }
         let shard = Shard { first_pass, passes: 1, region: REGION };
-        let mut tally = Tally::from_pixels(shard, SIZE, &declaration, &found);
+        let mut tally = Tally::from_sums(shard, SIZE, &declaration, &found.into());
         tally.set_scalar(PHOTONS_EMITTED, PHOTONS as f64);
         estimate.merge(&tally, &field).expect("the tally fits");
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Region, Shard, ShardSums, Tally};
+use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
 use photonfarm::farm::ids::{Fencing, JobId, LeaseId};
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::wire::first_surfaces;
@@ -34,10 +34,9 @@ fn tally() -> Tally {
         flux: [1e-30, 3.0e7, 1.0 / 3.0],
         photons: index as f32 * 1.5,
         inner_flux: 0.25 * index as f32,
-        ..PixelTally::default()
     };
-    let sums = ShardSums { tallies: (0..REGION.pixel_count(700)).map(pixel).collect(), evenness: Vec::new() };
-    Tally { scalars: vec![9.0, 8.0, 7.0, 6.0], ..Tally::from_sums(SHARD, 700, &gathering(), &sums) }
+    let pixels: Vec<PixelTally> = (0..REGION.pixel_count(700)).map(pixel).collect();
+    Tally { scalars: vec![9.0, 8.0, 7.0, 6.0], ..Tally::from_sums(SHARD, 700, &gathering(), &pixels.into()) }
 }
 
 fn pilot(fields: Vec<PilotField>, cost_per_pass: u64) -> Pilot {

@@ -42,6 +42,13 @@ pub struct ShardSums {
     pub evenness: Vec<PixelEvenness>,
 }
 
+impl From<Vec<PixelTally>> for ShardSums {
+    /// Sums that nothing measured the evenness for.
+    fn from(tallies: Vec<PixelTally>) -> Self {
+        Self { tallies, evenness: Vec::new() }
+    }
+}
+
 /// A row of [`ShardSums`].
 pub struct RowSums<'a> {
     /// Of every method.
@@ -81,7 +88,7 @@ impl ShardSums {
     /// A declared plane, its channels one after the other; `None` where there are no sums for it.
     pub(super) fn plane(&self, declared: &PlaneDeclaration) -> Option<Vec<f32>> {
         let of_tallies = channels(&self.tallies, OF_TALLIES, declared);
-        of_tallies.or_else(|| channels(&self.evenness, OF_EVENNESS, declared))
+        of_tallies.or_else(|| channels(&self.evenness, OF_EVENNESS, declared).filter(|_| !self.evenness.is_empty()))
     }
 }
 

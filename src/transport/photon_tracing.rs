@@ -61,10 +61,11 @@ impl<R: TracedPhoton> LightVertices for Storing<'_, R> {
     fn arrive(&mut self, walk: &Walk, hit: &Interaction, _: &EmittedPhoton, _: &PathRandom, _: &mut Counters) {
         let Self { scene, settings, path, scattered, .. } = *self;
         let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
-        if walk.segments >= settings.first_stored_segment && scene.lobes_at(hit.shape).any(takers) {
-            if let Some(photon) = stored(hit, walk.throughput, walk.segments, scattered) {
-                self.photons.push(R::traced(photon, PathSegment { path, length: hit.distance }));
-            }
+        if walk.segments >= settings.first_stored_segment
+            && scene.lobes_at(hit.shape).any(takers)
+            && let Some(photon) = stored(hit, walk.throughput, walk.segments, scattered)
+        {
+            self.photons.push(R::traced(photon, PathSegment { path, length: hit.distance }));
         }
     }
 

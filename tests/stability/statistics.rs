@@ -21,7 +21,7 @@ fn single_pixel(rule: RadiusRule, alpha: f64) -> Estimate {
 
 fn one_pass(estimate: &Estimate, pass: u32, photons: u64, pixel: PixelTally) -> Tally {
     let shard = Shard { first_pass: pass, passes: 1, region: PIXEL };
-    let mut tally = Tally::from_pixels(shard, 1, estimate.declaration(), &[pixel]);
+    let mut tally = Tally::from_sums(shard, 1, estimate.declaration(), &vec![pixel].into());
     tally.set_scalar(PHOTONS_EMITTED, photons as f64);
     tally
 }
@@ -42,7 +42,6 @@ fn a_million_passes_lose_nothing() {
             flux,
             photons: density * area,
             inner_flux: 0.05 * area,
-            ..PixelTally::default()
         };
         found.merge(&one_pass(&found, pass, emitted, pixel), &field).expect("tallies come in order");
     }
