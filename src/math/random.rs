@@ -42,6 +42,8 @@ pub struct PassRandom {
     key: [u32; 2],
     stream: u32,
     pass: u32,
+    /// Which of a pixel's samples.
+    sample: u32,
     part: Part,
     is_spread: bool,
 }
@@ -72,12 +74,19 @@ impl PassRandom {
             key: [seed as u32, (seed >> 32) as u32],
             stream: stream as u32,
             pass,
+            sample: 0,
             part: Part::WHOLE,
             is_spread: false,
         }
     }
 
-    /// The numbers of part `index` of `count` (at most [`MOST_PARTS`]) of the pass: one of its photon maps, or one of each pixel's
+    /// The numbers of sample `index` of the pass, where pixels have different numbers of samples. Every sample has a sequence of its own, which
+    /// goes on through the passes, so that each is evenly spread whether there are others or not. The first is the pass itself.
+    pub fn sample(&self, index: u32) -> Self {
+        Self { sample: index, ..*self }
+    }
+
+    /// The numbers of part `index` of `count` of the pass or sample, at most [`MOST_PARTS`] in all: one of its photon maps, or one of each pixel's
     /// paths. The only part is the pass itself. Parts have blocks of their own in every path's address, so no two of any two passes
     /// share numbers; evenly spread ones go on through the parts of one pass to those of the next.
     pub fn part(&self, index: u32, count: u32) -> Self {
@@ -87,12 +96,13 @@ impl PassRandom {
     /// The numbers of a path: the pixel's index, or that of the path in the pass.
     #[inline]
     pub fn path(&self, path: u32) -> PathRandom {
-        let Self { key, stream, pass, part, is_spread } = *self;
-        let address = [path, 0, 0, SEQUENCES | stream | (pass & 1) << 8];
-        // Only after 2³² samples of a pixel the sequence begins again.
-        let sample = (pass >> 1).wrapping_mul(part.count).wrapping_add(part.index);
-        let sequence = is_spread.then(|| Sequence::new(philox::<7>(address, key), sample));
-        PathRandom { key, stream, pass, path, first_block: part.index * BLOCKS_OF_A_PART, sequence }
+        let Self { key, stream, pass, sample, part, is_spread } = *self;
+        let address = [path, sample, 0, SEQUENCES | stream | (pass & 1) << 8];
+        // Only after 2³² places the sequence begins again.
+        let place = (pass >> 1).wrapping_mul(part.count).wrapping_add(part.index);
+        let sequence = is_spread.then(|| Sequence::new(philox::<7>(address, key), place));
+        let first_block = (sample * part.count + part.index) * BLOCKS_OF_A_PART;
+        PathRandom { key, stream, pass, path, first_block, sequence }
     }
 }
 

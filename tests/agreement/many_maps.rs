@@ -262,10 +262,14 @@ fn maps_that_contradict_each_other_are_refused() {
             r#"{"hierarchy": 3, "coarsest_samples": 4, "finest_samples": 5}"#,
             "\"finest_samples\" is 5, and \"coarsest_samples\" is 4",
         ),
-        (r#"{"coarsest_samples": 40}"#, "\"coarsest_samples\" says how levels are sampled, and \"hierarchy\" is 0"),
-        (r#"{"finest_samples": 2}"#, "\"finest_samples\" says how levels are sampled, and \"hierarchy\" is 0"),
-        (r#"{"localization": 2}"#, "\"localization\" says how levels are sampled, and \"hierarchy\" is 0"),
-        (r#"{"show": "localized"}"#, "\"show\" says how levels are sampled, and \"hierarchy\" is 0"),
+        (r#"{"coarsest_samples": 40}"#, "\"coarsest_samples\" is about levels of sampling, and \"hierarchy\" is 0"),
+        (r#"{"finest_samples": 2}"#, "\"finest_samples\" is about levels of sampling, and \"hierarchy\" is 0"),
+        (r#"{"localization": 2}"#, "\"localization\" is about levels of sampling, and \"hierarchy\" is 0"),
+        (r#"{"show": "localized"}"#, "\"show\" is about levels of sampling, and \"hierarchy\" is 0"),
+        (
+            r#"{"hierarchy": 3, "coarsest_samples": 4, "finest_samples": 4, "localization": 1}"#,
+            "\"localization\" is given, and all levels have 4 samples, so no pixel lacks any",
+        ),
         (r#"{"hierarchy": 3, "show": "localized"}"#, "\"show\" is \"localized\", and \"localization\" is 0"),
     ];
     for (parameters, expected) in refused {
@@ -274,6 +278,26 @@ fn maps_that_contradict_each_other_are_refused() {
         let message = check(&choice, 100).expect_err("refused").to_string();
         assert!(message.starts_with(&format!("method \"photon_map\": {expected}")), "{message}");
     }
+}
+
+/// Where pixels have different numbers of samples, each sample is spread evenly over the passes by itself: 64 of its points, the whole square in
+/// 64 boxes. Fine levels of the hierarchy, which have few samples, were as noisy as with independent numbers.
+#[test]
+fn each_sample_of_a_pixel_is_spread_evenly_over_passes() {
+    for (sample, paths) in [(0, 1), (1, 1), (37, 1), (5, 4)] {
+        let mut boxes = [0; 64];
+        for path in 0..paths {
+            for pass in 0..64 / paths {
+                let random = PassRandom::of_pixels(3, Stream::Camera, 2 * pass).sample(sample).part(path, paths);
+                let [x, y, ..] = random.path(9).block(1);
+                boxes[(x * 8.0) as usize * 8 + (y * 8.0) as usize] += 1;
+            }
+        }
+        assert_eq!(boxes, [1; 64], "sample {sample} of {paths} paths");
+    }
+    let numbers = |sample| PassRandom::of_pixels(3, Stream::Camera, 4).sample(sample).path(9).block(0);
+    assert_eq!(numbers(0), PassRandom::of_pixels(3, Stream::Camera, 4).path(9).block(0));
+    assert_ne!(numbers(0), numbers(1));
 }
 
 /// Parts of passes have numbers of their own, and the only part of a pass has the numbers of the pass.

@@ -86,8 +86,6 @@ pub(super) struct Step {
     pub(super) set: u32,
     /// Index of the pixel's sample in the pass.
     pub(super) sample: u32,
-    /// Samples that a pixel may have in a pass.
-    pub(super) samples: u32,
 }
 
 impl TracedPass<'_> {
@@ -95,7 +93,7 @@ impl TracedPass<'_> {
     pub(super) fn trace(&self, pixels: &mut [PixelTally]) -> Option<Counters> {
         match &self.method.choice {
             MapChoice::Only => {
-                let step = Step { set: 0, sample: 0, samples: 1 };
+                let step = Step { set: 0, sample: 0 };
                 self.step(step, pixels, |_, _| true, self.adds_to_tallies())
             }
             MapChoice::Skipping(sets) => self.skip(*sets, pixels),
@@ -116,7 +114,7 @@ impl TracedPass<'_> {
         let chosen: Vec<u32> = (first..).zip(&*pixels).map(|(pixel, _)| order.place(pixel) % sets).collect();
         let mut total = Counters::default();
         for set in (0..sets).filter(|set| chosen.contains(set)) {
-            let step = Step { set, sample: 0, samples: 1 };
+            let step = Step { set, sample: 0 };
             let looks = |pixel: u32, _: &PixelTally| chosen[(pixel - first) as usize] == set;
             total += self.step(step, pixels, looks, self.adds_to_tallies())?;
         }
@@ -129,7 +127,7 @@ impl TracedPass<'_> {
         let TwoPasses { scene, parameters, .. } = self.method;
         let width = scene.width as usize;
         let maps = hierarchy.maps();
-        let step = |map: u32| Step { set: map, sample: map, samples: maps };
+        let step = |map: u32| Step { set: map, sample: map };
         let samples = |pixel: u32| hierarchy.samples(pixel % scene.width);
         let mut nodes = vec![Node::default(); pixels.len()];
         let mut total = Counters::default();
@@ -163,7 +161,7 @@ impl TracedPass<'_> {
         let first = localized.map(|(pixel, _)| samples(pixel)).min().unwrap_or(hierarchy.maps());
         let mut total = Counters::default();
         for map in first..hierarchy.maps() {
-            let step = Step { set: map, sample: map, samples: hierarchy.maps() };
+            let step = Step { set: map, sample: map };
             let looks = |pixel: u32, node: &Node| node.is_localized && samples(pixel) <= map;
             total += self.step(step, nodes, looks, |node, radiance, counters| {
                 node.sum += finite_or_black(radiance, counters);
@@ -220,8 +218,7 @@ impl TracedPass<'_> {
         let width = method.scene.width;
         let paths = method.parameters.camera_paths.get();
         let random = PassRandom::of_pixels(method.seed, self.streams[1], pass.index);
-        let (cache, mut total) =
-            method.cache_irradiance(seen, &random.part(step.sample * paths, step.samples * paths), cancel);
+        let (cache, mut total) = method.cache_irradiance(seen, &random.sample(step.sample).part(0, paths), cancel);
         let trace_row = |(row, pixels): (usize, &mut [T])| {
             let mut gathering = LocalPass::new(method, seen, cache.as_ref());
             let mut counters = Counters::default();
@@ -232,7 +229,7 @@ impl TracedPass<'_> {
             for (x, kept) in (0..).zip(pixels).filter(|(x, kept)| looks(y * width + x, kept)) {
                 let mut sum = Rgb::ZERO;
                 for path in 0..paths {
-                    let random = random.part(step.sample * paths + path, step.samples * paths);
+                    let random = random.sample(step.sample).part(path, paths);
                     sum += gathering.pixel([x, y], &random.path(y * width + x), &mut counters);
                 }
                 keep(kept, sum / paths as f32, &mut counters);
