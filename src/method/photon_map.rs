@@ -120,6 +120,11 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn futile_in(&self, traits: SceneTraits) -> Option<&'static str> {
+        if self.caustic_splitting.get() > 1 && !traits.specular {
+            return Some(
+                "nothing is a mirror or glass, so there are no caustics to split; caustic_splitting: 1 spares its photons",
+            );
+        }
         (traits.sealed_lights && self.direct == DirectMode::Sample).then_some(
             "nearly all light meets mirrors or glass first, so sampled direct light finds hardly any, and most of what is seen is read \
              from the caustic map, which no gather ray smooths; sppm shrinks what that blurs",
@@ -218,7 +223,7 @@ impl TwoPasses {
     /// What a pass costs, by one set of its maps and one look of every pixel; that pixels are localized is not foreseen.
     fn cost(&self, traced: &TracedPass<'_>) -> Option<Counters> {
         let mut nobody_cares = vec![(); self.scene.pixel_count()];
-        let step = Step { set: 0, sample: 0, samples: 1 };
+        let step = Step { set: 0, sample: 0 };
         let (seen, photons) = traced.trace_seen(step.set)?;
         let mut looks = traced.look_at(seen, step, &mut nobody_cares, |_, ()| true, |(), _, _| {})?;
         looks.rays += self.look_ups(&looks) * RAYS_PER_LOOKUP;

@@ -2,7 +2,7 @@
 
 use super::parameters::{DEFAULT_COARSEST, DEFAULT_FINEST, DirectMode, Parameters, ShownPart};
 use crate::method::Contradiction;
-use crate::method::parameter_values::{Auto, Switchable};
+use crate::method::parameter_values::{Auto, MOST_AUTO_PHOTONS, Switchable};
 use crate::transport::caustic_splitting::Splitting;
 use crate::transport::neighbor_choice::NeighborChoice;
 
@@ -42,7 +42,7 @@ impl Parameters {
         ];
         let (name, _) = given.into_iter().find(|(_, is_given)| *is_given)?;
         let remedy = "give \"hierarchy\" a number of levels, for example 8";
-        refused(format!("\"{name}\" says how levels are sampled, and \"hierarchy\" is 0"), remedy)
+        refused(format!("\"{name}\" is about levels of sampling, and \"hierarchy\" is 0, so there are none"), remedy)
     }
 
     fn with_hierarchy(&self) -> Option<Contradiction> {
@@ -54,6 +54,14 @@ impl Parameters {
         if finest > coarsest {
             let problem = format!("\"finest_samples\" is {finest}, and \"coarsest_samples\" is {coarsest}");
             return refused(problem, "finer levels have at most as many samples as coarser ones");
+        }
+        if self.localization.get() > 0 && finest == coarsest {
+            let problem =
+                format!("\"localization\" is given, and all levels have {finest} samples, so no pixel lacks any");
+            return refused(
+                problem,
+                "give \"finest_samples\" fewer than \"coarsest_samples\", or leave \"localization\" out",
+            );
         }
         if self.show == ShownPart::Localized && self.localization.get() == 0 {
             let problem = "\"show\" is \"localized\", and \"localization\" is 0, so no pixel is";
@@ -140,12 +148,15 @@ impl Parameters {
                 &format!("give \"max_depth\" of at least {SHORTEST_CAUSTIC}, or \"caustic_splitting\" 1"),
             );
         }
-        let Auto::Value(photons) = self.photons_per_pass else { return None };
+        let photons = match self.photons_per_pass {
+            Auto::Value(photons) => photons.get(),
+            Auto::Auto => MOST_AUTO_PHOTONS,
+        };
         // Paths are numbered in 32 bits.
-        let most = u32::MAX / photons.get();
+        let most = u32::MAX / photons;
         if factor > most {
             return refused(
-                format!("{} photons in \"caustic_splitting\" {factor} are too many for a pass", photons.get()),
+                format!("up to {photons} photons in \"caustic_splitting\" {factor} are too many for a pass"),
                 &format!("give \"caustic_splitting\" of at most {most}"),
             );
         }
