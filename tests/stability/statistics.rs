@@ -37,12 +37,7 @@ fn a_million_passes_lose_nothing() {
         let field = found.radius_field(PIXEL);
         let area = field.radius_squared[0];
         let flux = [0.1 * area; 3];
-        let pixel = PixelTally {
-            radiance: [0.1; 3],
-            flux,
-            photons: density * area,
-            inner_flux: 0.05 * area,
-        };
+        let pixel = PixelTally { radiance: [0.1; 3], flux, photons: density * area, inner_flux: 0.05 * area };
         found.merge(&one_pass(&found, pass, emitted, pixel), &field).expect("tallies come in order");
     }
     let expected = f64::from(0.1f32) * (1.0 + 1.0 / (PI * emitted as f64));
