@@ -96,15 +96,12 @@ bounded! {
     pub struct PathLength(u32) or All, [1 to 65535]
 }
 
-/// Photons of a pass where their number is `auto`, at most.
-pub const MOST_AUTO_PHOTONS: u32 = 1 << 20;
-
 impl Auto<PhotonCount> {
     /// Becomes a number where it is `auto`: one per pixel, 65536 to 1048576.
     pub fn settle(&mut self, pixels: u64) -> u32 {
         let count = match *self {
             Self::Value(count) => count,
-            Self::Auto => PhotonCount(pixels.clamp(1 << 16, u64::from(MOST_AUTO_PHOTONS)) as u32),
+            Self::Auto => PhotonCount(pixels.clamp(1 << 16, 1 << 20) as u32),
         };
         *self = Self::Value(count);
         count.get()

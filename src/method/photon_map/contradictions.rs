@@ -2,7 +2,7 @@
 
 use super::parameters::{DEFAULT_COARSEST, DEFAULT_FINEST, DirectMode, Parameters, ShownPart};
 use crate::method::Contradiction;
-use crate::method::parameter_values::{Auto, MOST_AUTO_PHOTONS, Switchable};
+use crate::method::parameter_values::{Auto, Switchable};
 use crate::transport::caustic_splitting::Splitting;
 use crate::transport::neighbor_choice::NeighborChoice;
 
@@ -148,15 +148,13 @@ impl Parameters {
                 &format!("give \"max_depth\" of at least {SHORTEST_CAUSTIC}, or \"caustic_splitting\" 1"),
             );
         }
-        let photons = match self.photons_per_pass {
-            Auto::Value(photons) => photons.get(),
-            Auto::Auto => MOST_AUTO_PHOTONS,
-        };
+        // A number by now, whatever was given.
+        let Auto::Value(photons) = self.photons_per_pass else { return None };
         // Paths are numbered in 32 bits.
-        let most = u32::MAX / photons;
+        let most = u32::MAX / photons.get();
         if factor > most {
             return refused(
-                format!("up to {photons} photons in \"caustic_splitting\" {factor} are too many for a pass"),
+                format!("{} photons in \"caustic_splitting\" {factor} are too many for a pass", photons.get()),
                 &format!("give \"caustic_splitting\" of at most {most}"),
             );
         }
