@@ -1,7 +1,7 @@
 //! What lamps cost that light nothing which is seen: makes `docs/HIDDEN-LAMPS.md`.
 //!
-//! `cargo run --release --example hidden_lamps -- 5 > docs/HIDDEN-LAMPS.md` gives each cell 5 processor-seconds of one thread and each
-//! reference a hundred: about 20 minutes. Names of rows after the number choose among them.
+//! `cargo run --release --example hidden_lamps -- 10 > docs/HIDDEN-LAMPS.md` gives each cell 10 processor-seconds of one thread and each
+//! reference two hundred: about 40 minutes. Names of rows after the number choose among them.
 
 use std::error::Error;
 use std::path::Path;
@@ -54,7 +54,7 @@ const ROWS: [Row; 5] = [
 fn main() -> Result<(), Box<dyn Error>> {
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let mut arguments = std::env::args().skip(1);
-    let seconds: f64 = arguments.next().map_or(Ok(5.0), |text| text.parse())?;
+    let seconds: f64 = arguments.next().map_or(Ok(10.0), |text| text.parse())?;
     let chosen: Vec<String> = arguments.collect();
     let Machine { processor, .. } = Machine::here();
     println!("{HEADER}\n{seconds} processor-seconds of one thread a cell, {SIZE} × {SIZE} pixels, {processor}.\n");
@@ -114,7 +114,7 @@ fn render(
 const HEADER: &str = "\
 # What hidden lamps cost
 
-Made by `cargo run --release --example hidden_lamps -- 5 > docs/HIDDEN-LAMPS.md` (about 20 minutes on one core).
+Made by `cargo run --release --example hidden_lamps -- 10 > docs/HIDDEN-LAMPS.md` (about 40 minutes on one core).
 
 Scenes with lamps that light nothing which is seen, each also *alone*: without those lamps. Both have the same picture. relMSE after equal time: *alone*
 as methods were before they learnt from a pilot what is hidden (`light_picks: importance`, `emission: power`, `occlusion: off`); *before*, the same with the hidden lamps; *now*, with
