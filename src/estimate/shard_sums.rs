@@ -57,23 +57,23 @@ pub struct RowSums<'a> {
     pub evenness: &'a mut [PixelEvenness],
 }
 
-/// Planes, each with the word of its first channel.
-type Planes = &'static [(&'static str, usize)];
+/// Planes, each with the word of its first channel and the number of channels.
+type Planes = &'static [(&'static str, usize, usize)];
 
 /// The planes of [`PixelTally`].
-const OF_TALLIES: Planes = &[(RADIANCE, 0), (FLUX, 3), (PHOTONS, 6), (INNER_FLUX, 7)];
+const OF_TALLIES: Planes = &[(RADIANCE, 0, 3), (FLUX, 3, 3), (PHOTONS, 6, 1), (INNER_FLUX, 7, 1)];
 /// The planes of [`PixelEvenness`].
-const OF_EVENNESS: Planes = &[(FLUX_SLOPE, 0), (SQUARED_FLUX, 2)];
+const OF_EVENNESS: Planes = &[(FLUX_SLOPE, 0, 2), (SQUARED_FLUX, 2, 1)];
 
 impl ShardSums {
     /// Sums of nothing for so many pixels, of what every method has.
     pub fn zero(pixels: usize) -> Self {
-        Self { tallies: vec![PixelTally::zeroed(); pixels], evenness: Vec::new() }
+        vec![PixelTally::zeroed(); pixels].into()
     }
 
     /// The same with all that is declared.
     pub fn zero_declared(pixels: usize, declaration: &Declaration) -> Self {
-        let measures_evenness = OF_EVENNESS.iter().any(|(name, _)| declaration.plane(name).is_some());
+        let measures_evenness = OF_EVENNESS.iter().any(|(name, ..)| declaration.plane(name).is_some());
         let evenness = if measures_evenness { pixels } else { 0 };
         Self { evenness: vec![PixelEvenness::zeroed(); evenness], ..Self::zero(pixels) }
     }
@@ -102,8 +102,11 @@ fn channels<T: Pod>(pixels: &[T], planes: Planes, declared: &PlaneDeclaration) -
     Some(plane)
 }
 
+/// Where the sums of a declared plane begin; `None` for one of another name or another number of channels.
 fn first_word(planes: Planes, declared: &PlaneDeclaration) -> Option<usize> {
-    planes.iter().find(|(name, _)| *name == declared.name).map(|(_, first)| *first)
+    let is_same =
+        |(name, _, channels): &&(&str, usize, usize)| *name == declared.name && *channels == declared.channels;
+    planes.iter().find(is_same).map(|(_, first, _)| *first)
 }
 
 /// Sets the sums that a plane of a tally holds.

@@ -242,10 +242,12 @@ fn gather_in_sight(
     receiver.gather_some(map, counting, |index| sight.accepts(&map.photon(index), map.extras()[index], counters))
 }
 
-/// Adds how evenly lies what a pass found in a pixel; what is not finite is dropped. It is counted as flux.
+/// Adds how evenly lies what a pass found in a pixel, where that is summed; what is not finite is dropped. It is counted as flux.
 #[inline]
-pub fn add_evenness(sums: &mut PixelEvenness, pass: &Pass<'_>, evenness: &Evenness) {
-    if evenness.is_finite() {
+pub fn add_evenness(sums: Option<&mut PixelEvenness>, pass: &Pass<'_>, evenness: &Evenness) {
+    if let Some(sums) = sums
+        && evenness.is_finite()
+    {
         let inverse_scale = 1.0 / pass.scale;
         sums.flux_slope = [0, 1].map(|axis| sums.flux_slope[axis] + evenness.slope[axis] * inverse_scale);
         sums.squared_flux += evenness.squares * inverse_scale * inverse_scale;

@@ -311,9 +311,7 @@ impl PreparedMethod for Ppm {
                         self.trace_pixel(pass, &map, points, &random, (address, radius), &mut counters);
                     let radiance = radiance + Rgb::from_array(hit_points.seen[pixel]);
                     add_to_tally(tally, pass, radiance, &found.gathered, &mut counters);
-                    if let Some(sums) = sums.evenness.get_mut(column) {
-                        add_evenness(sums, pass, &found.evenness);
-                    }
+                    add_evenness(sums.evenness.get_mut(column), pass, &found.evenness);
                 }
                 counters
             })

@@ -160,9 +160,7 @@ impl PreparedMethod for Sppm {
                     let pixel = first_pixel + row * width + column;
                     let path = (pixel, &random.path(pixel as u32));
                     let evenness = self.trace_pixel(pass, &map, path, *radius, tally, &mut counters);
-                    if let Some(sums) = sums.evenness.get_mut(column) {
-                        add_evenness(sums, pass, &evenness);
-                    }
+                    add_evenness(sums.evenness.get_mut(column), pass, &evenness);
                 }
                 counters
             })

@@ -217,8 +217,8 @@ impl TracedPass<'_> {
         let TracedPass { method, pass, cancel, .. } = *self;
         let width = method.scene.width;
         let paths = method.parameters.camera_paths.get();
-        let random = PassRandom::of_pixels(method.seed, self.streams[1], pass.index);
-        let (cache, mut total) = method.cache_irradiance(seen, &random.sample(step.sample).part(0, paths), cancel);
+        let random = PassRandom::of_pixels(method.seed, self.streams[1], pass.index).sample(step.sample);
+        let (cache, mut total) = method.cache_irradiance(seen, &random.part(0, paths), cancel);
         let trace_row = |(row, pixels): (usize, &mut [T])| {
             let mut gathering = LocalPass::new(method, seen, cache.as_ref());
             let mut counters = Counters::default();
@@ -229,7 +229,7 @@ impl TracedPass<'_> {
             for (x, kept) in (0..).zip(pixels).filter(|(x, kept)| looks(y * width + x, kept)) {
                 let mut sum = Rgb::ZERO;
                 for path in 0..paths {
-                    let random = random.sample(step.sample).part(path, paths);
+                    let random = random.part(path, paths);
                     sum += gathering.pixel([x, y], &random.path(y * width + x), &mut counters);
                 }
                 keep(kept, sum / paths as f32, &mut counters);
