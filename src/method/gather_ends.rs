@@ -81,6 +81,9 @@ impl GatherEnds<'_> {
 }
 
 impl PilotView for GatherEnds<'_> {
+    // The method looks for the nearest photons.
+    const ALL_RADII: bool = false;
+
     fn visit(
         &self,
         pixel: usize,

@@ -28,8 +28,8 @@ const LESSONS: u32 = 3;
 const SURE: f64 = 1000.0;
 /// Another lesson that gains less than this times as much is the last, and not worth another guide.
 const PROGRESS: f64 = 1.1;
-/// Pixels that lessons look at, at most.
-const LESSON_PIXELS: usize = 1 << 14;
+/// Pixels that lessons look at, at most: discs with some tens of photons overlap, so that more pixels would see the same photons again.
+const LESSON_PIXELS: usize = 1 << 12;
 /// Photons go by power where guided ones would have less than this many times the variance.
 const WORTHWHILE_GAIN: f64 = 1.5;
 /// What pixels are brighter than counts against their mean square, as in relMSE.
@@ -39,6 +39,9 @@ const WORTH_UNITS: f64 = (1u64 << 40) as f64;
 
 /// Where the pixels of a method gather.
 pub trait PilotView: Sync {
+    /// Whether first radii of all pixels are wanted, else only what lessons need.
+    const ALL_RADII: bool = true;
+
     /// Shows all points where a pixel gathers to `visit`, with numbers for the sampling of lights there; throughput is the share of the pixel. What the
     /// pixel sees besides, radiance.
     fn visit(
@@ -156,9 +159,9 @@ impl PhotonPasses {
     }
 
     /// Traces photons and finds radii for them, of about the size that is expected, R², m².
-    fn round(
+    fn round<V: PilotView>(
         &self,
-        view: &impl PilotView,
+        view: &V,
         pass: u32,
         guide: Option<&EmissionGuide>,
         expected: Option<f32>,
@@ -168,26 +171,32 @@ impl PhotonPasses {
         let cells = expected.unwrap_or_else(|| self.pilot_radius_squared());
         let (map, mut total) = self.trace_photons::<PathPhoton>(&photons, cells, cancel)?;
         let guess = expected.unwrap_or_else(|| self.radius_bounds(map.len()).guess);
-        let found: Vec<(Option<f32>, Counters)> = (0..self.scene.pixel_count())
-            .into_par_iter()
-            .with_min_len(1024)
-            .map(|pixel| {
-                let mut counters = Counters::default();
-                let point = view.radius_point(pixel, &mut counters);
-                let radius = point.map(|point| self.first_radius_squared(&map, &point, guess));
-                (radius, counters)
-            })
-            .collect();
-        found.iter().for_each(|(_, counters)| total += *counters);
-        let mut radii: Vec<Option<f32>> = found.into_iter().map(|(radius, _)| radius).collect();
+        let radius_of = |pixel: usize| {
+            let mut counters = Counters::default();
+            let point = view.radius_point(pixel, &mut counters);
+            (point.map(|point| self.first_radius_squared(&map, &point, guess)), counters)
+        };
+        let step = if V::ALL_RADII { 1 } else { self.lesson_step() };
+        let pixels = (0..self.scene.pixel_count()).into_par_iter().step_by(step);
+        let found: Vec<(Option<f32>, Counters)> = pixels.with_min_len(1024).map(radius_of).collect();
+        let mut radii: Vec<Option<f32>> = vec![None; self.scene.pixel_count()];
+        for (pixel, (radius, counters)) in found.into_iter().enumerate() {
+            radii[pixel * step] = radius;
+            total += counters;
+        }
         let radius_squared = self.complete_first_radii(&mut radii);
         (!cancel.load(Ordering::Relaxed)).then_some(Round { map, radius_squared, counters: total })
+    }
+
+    /// Lessons look at one pixel of so many.
+    fn lesson_step(&self) -> usize {
+        self.scene.pixel_count().div_ceil(LESSON_PIXELS).max(1)
     }
 
     /// The pixels of all lessons. They see the same in each of them but for its photons.
     fn lesson_pixels(&self, view: &impl PilotView) -> Vec<LessonPixel> {
         let count = self.scene.pixel_count();
-        let pixels: Vec<usize> = (0..count).step_by(count.div_ceil(LESSON_PIXELS)).collect();
+        let pixels: Vec<usize> = (0..count).step_by(self.lesson_step()).collect();
         let look = |pixel: &usize| {
             let (mut points, mut sampled) = (Vec::new(), Rgb::ZERO);
             let seen = view.visit(*pixel, &mut Counters::default(), &mut |point, random, counters| {
