@@ -6,9 +6,11 @@
 //! sequences of their own, independent of each other: a job's two twins.
 
 mod permutation;
+mod recorded;
 mod sequence;
 
 pub use permutation::Permutation;
+pub use recorded::RecordedNumbers;
 use sequence::Sequence;
 
 /// What a family of paths is for; keeps their numbers apart.
@@ -31,6 +33,12 @@ pub enum Stream {
     MapChoice = 6,
     /// Camera paths whose ends tell where photons are looked for; the path index is the pixel's.
     Importance = 9,
+    /// Paths of which Markov chains start.
+    Bootstrap = 10,
+    /// Mutations of Markov chains.
+    Chain = 11,
+    /// Branches of recorded paths.
+    Branch = 12,
 }
 
 /// As many parts the numbers of a pass have room for.
@@ -113,6 +121,15 @@ const BLOCKS_OF_A_PART: u32 = u32::MAX / MOST_PARTS + 1;
 /// Keeps the keys of sequences apart from the numbers of paths.
 const SEQUENCES: u32 = 1 << 31;
 
+/// The random numbers of a path, wherever they come from: addressed ([`PathRandom`]), or recorded ([`RecordedNumbers`]).
+pub trait Numbers: Copy + Sync {
+    /// Four numbers in [0, 1). The first two are a point of the unit square, and so are the last two.
+    fn block(&self, block: u32) -> [f32; 4];
+
+    /// As many more as it takes where the path splits: independent of the path's own, and of other branches.
+    fn branch(&self, index: u32) -> PathRandom;
+}
+
 /// The numbers of one path.
 #[derive(Clone, Copy, Debug)]
 pub struct PathRandom {
@@ -151,6 +168,18 @@ impl PathRandom {
             Some(sequence) if block < SPREAD_BLOCKS => sequence.block(block),
             _ => philox::<7>([self.path, self.pass, self.first_block.wrapping_add(block), self.stream], self.key),
         }
+    }
+}
+
+impl Numbers for PathRandom {
+    #[inline(always)]
+    fn block(&self, block: u32) -> [f32; 4] {
+        Self::block(self, block)
+    }
+
+    #[inline(always)]
+    fn branch(&self, index: u32) -> Self {
+        Self::branch(self, index)
     }
 }
 

@@ -9,6 +9,7 @@ mod bounded_numbers;
 pub mod checked_method;
 pub mod gather_ends;
 pub mod light_tracing;
+pub mod mmlt;
 pub mod parameter_values;
 pub mod parameters;
 pub mod path;
@@ -92,6 +93,7 @@ pub const METHODS: &[MethodEntry] = &[
     bdpm::ENTRY,
     pbdpm::ENTRY,
     vcm::ENTRY,
+    mmlt::ENTRY,
 ];
 
 /// A way of finding paths of a length.

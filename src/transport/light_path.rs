@@ -4,7 +4,7 @@ use super::counters::Counters;
 use super::limits::Limits;
 use super::shading::{self, Scattering};
 use super::walk::Walk;
-use crate::math::random::{PathRandom, dimension};
+use crate::math::random::{Numbers, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::light::EmittedPhoton;
@@ -12,16 +12,9 @@ use crate::scene::light::emission_guide::{EmissionGuide, EmissionPoint};
 use crate::scene::material::{TransportMode, View};
 
 /// What a method does along a path from a light.
-pub trait LightVertices {
+pub trait LightVertices<N: Numbers> {
     /// The path of the photon `emitted` comes to a surface, with `walk.throughput` as its flux.
-    fn arrive(
-        &mut self,
-        walk: &Walk,
-        hit: &Interaction,
-        emitted: &EmittedPhoton,
-        random: &PathRandom,
-        counters: &mut Counters,
-    );
+    fn arrive(&mut self, walk: &Walk, hit: &Interaction, emitted: &EmittedPhoton, random: &N, counters: &mut Counters);
 
     /// It is scattered there, and goes on.
     fn leave(&mut self, hit: &Interaction, view: &View, scattering: &Scattering);
@@ -35,7 +28,7 @@ pub trait LightVertices {
 
 /// Where the path with the numbers `random` starts.
 #[inline(always)]
-pub fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &PathRandom) -> EmissionPoint {
+pub fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &impl Numbers) -> EmissionPoint {
     let place = random.block(dimension::EMISSION);
     let direction = random.block(dimension::EMISSION_DIRECTION);
     scene.lights.emission_point(guide, [place[0], place[1], place[2]], [direction[0], direction[1]])
@@ -43,13 +36,13 @@ pub fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &Pat
 
 /// Follows a photon with the numbers `random`, which starts where `guide` says, to its end; it leaves at least one segment to the camera.
 #[inline]
-pub fn trace_light_path(
+pub fn trace_light_path<N: Numbers>(
     scene: &Scene,
     guide: Option<&EmissionGuide>,
     limits: &Limits,
-    random: &PathRandom,
+    random: &N,
     counters: &mut Counters,
-    vertices: &mut impl LightVertices,
+    vertices: &mut impl LightVertices<N>,
 ) {
     counters.photons_emitted += 1;
     let start = emission_point(scene, guide, random);
@@ -60,13 +53,13 @@ pub fn trace_light_path(
 
 /// Follows the photon `emitted` with the numbers `random` to its end.
 #[inline]
-pub fn follow_photon(
+pub fn follow_photon<N: Numbers>(
     scene: &Scene,
     emitted: &EmittedPhoton,
     limits: &Limits,
-    random: &PathRandom,
+    random: &N,
     counters: &mut Counters,
-    vertices: &mut impl LightVertices,
+    vertices: &mut impl LightVertices<N>,
 ) {
     let peak = emitted.flux.max_element();
     if !(peak > 0.0 && peak.is_finite()) {

@@ -21,6 +21,7 @@ pub mod light_plan;
 pub mod light_sights;
 pub mod light_trials;
 pub mod limits;
+pub mod metropolis;
 pub mod multiple_importance;
 pub mod neighbor_choice;
 pub mod occlusion;

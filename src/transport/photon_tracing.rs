@@ -1,7 +1,7 @@
 //! Photon paths: from a light through the scene, stored wherever a surface has a smooth lobe.
 
 use crate::math::octahedral;
-use crate::math::random::{PassRandom, PathRandom};
+use crate::math::random::{Numbers, PassRandom};
 use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::light::EmittedPhoton;
@@ -56,9 +56,9 @@ struct Storing<'a, R> {
     scattered: bool,
 }
 
-impl<R: TracedPhoton> LightVertices for Storing<'_, R> {
+impl<R: TracedPhoton, N: Numbers> LightVertices<N> for Storing<'_, R> {
     #[inline(always)]
-    fn arrive(&mut self, walk: &Walk, hit: &Interaction, _: &EmittedPhoton, _: &PathRandom, _: &mut Counters) {
+    fn arrive(&mut self, walk: &Walk, hit: &Interaction, _: &EmittedPhoton, _: &N, _: &mut Counters) {
         let Self { scene, settings, path, scattered, .. } = *self;
         let takers = if settings.narrow_takes_all || !scattered { Lobes::SMOOTH } else { Lobes::WIDE };
         if walk.segments >= settings.first_stored_segment

@@ -7,7 +7,7 @@ use super::photon_tracing::{PhotonSettings, stored};
 use super::projection::SpecularBoxes;
 use super::shading::Scattering;
 use super::walk::Walk;
-use crate::math::random::PathRandom;
+use crate::math::random::Numbers;
 use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::light::EmittedPhoton;
@@ -46,7 +46,7 @@ impl ChainTracer<'_> {
         &self,
         start: &EmissionPoint,
         path: u32,
-        random: &PathRandom,
+        random: &impl Numbers,
         photons: &mut Vec<R>,
         counters: &mut Counters,
     ) -> Characteristic {
@@ -72,9 +72,9 @@ struct Chain<'a, R> {
     goes_on: bool,
 }
 
-impl<R: TracedPhoton> LightVertices for Chain<'_, R> {
+impl<R: TracedPhoton, N: Numbers> LightVertices<N> for Chain<'_, R> {
     #[inline(always)]
-    fn arrive(&mut self, walk: &Walk, hit: &Interaction, _: &EmittedPhoton, _: &PathRandom, _: &mut Counters) {
+    fn arrive(&mut self, walk: &Walk, hit: &Interaction, _: &EmittedPhoton, _: &N, _: &mut Counters) {
         let lobes = self.scene.material(hit.shape).lobes();
         // The first surface has direct light.
         if walk.segments > 1 && lobes.any(Lobes::SMOOTH) {

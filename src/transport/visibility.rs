@@ -2,7 +2,7 @@
 
 use super::{Counters, shading};
 use crate::math::Rgb;
-use crate::math::random::{PathRandom, dimension};
+use crate::math::random::{Numbers, dimension};
 use crate::scene::geometry::Ray;
 use crate::scene::material::TransportMode;
 use crate::scene::{MediumIndex, Scene};
@@ -25,7 +25,7 @@ pub enum Blockers {
 
 /// A straight line between two points that a path joins.
 #[derive(Clone, Copy, Debug)]
-pub struct Joint<'a> {
+pub struct Joint<'a, N> {
     /// From one to the other.
     pub ray: Ray,
     /// The medium that it begins in.
@@ -33,14 +33,14 @@ pub struct Joint<'a> {
     /// What is in the way.
     pub blockers: Blockers,
     /// The random numbers of the path; media that vary are tracked with them.
-    pub random: &'a PathRandom,
+    pub random: &'a N,
     /// The step of the path at which it is joined.
     pub step: u32,
 }
 
 /// The share of light that passes: 0 where something is in the way, less than 1 where a medium is.
 #[inline(always)]
-pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) -> Rgb {
+pub fn transmittance<N: Numbers>(scene: &Scene, joint: &Joint<'_, N>, counters: &mut Counters) -> Rgb {
     if joint.blockers == Blockers::Turning {
         return through_surfaces(scene, *joint, counters);
     }
@@ -59,7 +59,7 @@ pub fn transmittance(scene: &Scene, joint: &Joint<'_>, counters: &mut Counters) 
 
 /// The same where nothing is known to be in the way.
 #[inline(always)]
-pub fn transmittance_of_media(scene: &Scene, joint: &Joint<'_>) -> Rgb {
+pub fn transmittance_of_media<N: Numbers>(scene: &Scene, joint: &Joint<'_, N>) -> Rgb {
     if joint.medium.is_none() { Rgb::ONE } else { through_medium(scene, *joint, 0) }
 }
 
@@ -68,14 +68,14 @@ pub fn transmittance_of_media(scene: &Scene, joint: &Joint<'_>) -> Rgb {
 /// The share that the medium lets pass on the part of a joint behind `passed` surfaces.
 #[cold]
 #[inline(never)]
-fn through_medium(scene: &Scene, part: Joint<'_>, passed: u32) -> Rgb {
+fn through_medium<N: Numbers>(scene: &Scene, part: Joint<'_, N>, passed: u32) -> Rgb {
     let numbers = || part.random.branch(dimension::joint(part.step, passed));
     scene.medium(part.medium).map_or(Rgb::ONE, |medium| medium.transmittance(&part.ray, numbers))
 }
 
 #[cold]
 #[inline(never)]
-fn through_surfaces(scene: &Scene, mut rest: Joint<'_>, counters: &mut Counters) -> Rgb {
+fn through_surfaces<N: Numbers>(scene: &Scene, mut rest: Joint<'_, N>, counters: &mut Counters) -> Rgb {
     let direction = rest.ray.direction;
     let mut passing = Rgb::ONE;
     for passed in 0..MOST_PASSED {

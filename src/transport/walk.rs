@@ -7,7 +7,7 @@
 use super::Counters;
 use super::limits::Limits;
 use super::shading::Scattering;
-use crate::math::random::{PathRandom, dimension};
+use crate::math::random::{Numbers, dimension};
 use crate::math::{Rgb, Vec3};
 use crate::scene::geometry::{Interaction, Ray};
 use crate::scene::light::{EmittedPhoton, Origin, Place};
@@ -76,7 +76,7 @@ impl Walk {
 
     /// A path that starts with a photon.
     #[inline(always)]
-    pub fn from_light(scene: &Scene, emitted: &EmittedPhoton, random: &PathRandom) -> Self {
+    pub fn from_light(scene: &Scene, emitted: &EmittedPhoton, random: &impl Numbers) -> Self {
         let ray = Ray::new(emitted.origin, emitted.direction);
         let mut walk = Self::new(ray, None, emitted.flux, emitted.flux.max_element(), TransportMode::Flux);
         if !scene.media.is_empty() {
@@ -105,7 +105,7 @@ impl Walk {
 
     /// Traces the next segment, of a path that has the numbers `random`.
     #[inline(always)]
-    pub fn step(&mut self, scene: &Scene, random: &PathRandom, counters: &mut Counters) -> Step {
+    pub fn step(&mut self, scene: &Scene, random: &impl Numbers, counters: &mut Counters) -> Step {
         self.segments += 1;
         self.steps += 1;
         counters.rays += 1;
@@ -221,7 +221,7 @@ impl Walk {
 /// The medium that a photon begins in, and the share of it that gets there: light from outside has crossed the outermost one for ever.
 #[cold]
 #[inline(never)]
-fn enter_media(scene: &Scene, emitted: &EmittedPhoton, random: &PathRandom) -> (MediumIndex, Rgb) {
+fn enter_media(scene: &Scene, emitted: &EmittedPhoton, random: &impl Numbers) -> (MediumIndex, Rgb) {
     let ray = Ray::new(emitted.origin, emitted.direction);
     let arriving = match (emitted.origin_kind, scene.medium(scene.outermost_medium)) {
         (Origin::Distant { .. }, Some(medium)) => medium.transmittance(&ray, || random.branch(dimension::flight(0))),
@@ -233,7 +233,7 @@ fn enter_media(scene: &Scene, emitted: &EmittedPhoton, random: &PathRandom) -> (
 /// How far a ray gets within its length.
 #[cold]
 #[inline(never)]
-fn fly(scene: &Scene, medium: MediumIndex, ray: Ray, step: u32, random: &PathRandom) -> Flight {
+fn fly(scene: &Scene, medium: MediumIndex, ray: Ray, step: u32, random: &impl Numbers) -> Flight {
     let numbers = || FlightNumbers {
         first: random.block(dimension::light(step))[3],
         more: random.branch(dimension::flight(step)),

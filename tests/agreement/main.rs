@@ -13,6 +13,7 @@ mod irradiance_cache;
 mod many_maps;
 mod materials;
 mod methods;
+mod metropolis;
 mod photon_look_ups;
 mod photon_map;
 mod photon_map_direct;

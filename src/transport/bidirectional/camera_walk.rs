@@ -7,7 +7,7 @@ use super::selection::Selection;
 use super::vertex::{Vertex, reverse_pdf};
 use super::weights::{Densities, Sums, Techniques, Weighting};
 use crate::math::Rgb;
-use crate::math::random::{PassRandom, PathRandom, dimension};
+use crate::math::random::{Numbers, PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::material::{Lobes, TransportMode, View};
@@ -63,20 +63,32 @@ impl CameraWalk<'_> {
         pixel: u32,
         acceptance: f32,
         counters: &mut Counters,
-        mut visit: impl FnMut(&Vertex, &PathRandom, &mut Counters) -> Rgb,
+        visit: impl FnMut(&Vertex, &PathRandom, &mut Counters) -> Rgb,
+    ) -> Rgb {
+        self.trace_with(&self.random.path(pixel), pixel, acceptance, counters, visit)
+    }
+
+    /// The same with numbers of any origin.
+    #[inline]
+    pub fn trace_with<N: Numbers>(
+        &self,
+        random: &N,
+        pixel: u32,
+        acceptance: f32,
+        counters: &mut Counters,
+        mut visit: impl FnMut(&Vertex, &N, &mut Counters) -> Rgb,
     ) -> Rgb {
         let scene = self.scene;
-        let random = self.random.path(pixel);
         let place = [pixel % scene.width, pixel / scene.width];
         let (ray, count) = scene.filtered_camera_ray(place, random.block(dimension::CAMERA));
         let mut walk = Walk::from_camera(scene, ray, count);
         let mut last = Last { pdf: 0.0, sums: Sums::default(), is_seen: true };
         let (mut radiance, passes) = (Rgb::ZERO, self.blockers() == Blockers::Turning);
         while self.limits.allows(walk.segments + 1) {
-            let step = walk.step(scene, &random, counters);
+            let step = walk.step(scene, random, counters);
             if let Some(position) = step.medium() {
-                radiance += self.light_in_medium(walk, position, &random, counters);
-                let Some(scattered) = self.scattered(walk, position, &random) else { break };
+                radiance += self.light_in_medium(walk, position, random, counters);
+                let Some(scattered) = self.scattered(walk, position, random) else { break };
                 (walk, last) = scattered;
                 if walk.survives(&self.limits, random.block(dimension::scattering(walk.steps))[3]) {
                     continue;
@@ -91,7 +103,7 @@ impl CameraWalk<'_> {
             let sums = self.arrive(hit, walk.segments, &last);
             let material = scene.material(hit.shape);
             if scene.lobes_at(hit.shape).any(Lobes::SMOOTH) {
-                radiance += visit(&Vertex::new(&walk, hit, sums), &random, counters);
+                radiance += visit(&Vertex::new(&walk, hit, sums), random, counters);
             }
             let u = random.block(dimension::scattering(walk.steps));
             let view = shading::view(hit, TransportMode::Radiance);

@@ -6,7 +6,7 @@ use super::selection::{Selection, Show};
 use super::stored_vertex::MergeRecord;
 use super::vertex::{Vertex, densities};
 use super::weights::{Sums, Weighting};
-use crate::math::random::{PathRandom, dimension};
+use crate::math::random::{Numbers, dimension};
 use crate::math::{Rgb, Vec2, Vec3};
 use crate::scene::Scene;
 use crate::scene::geometry::Ray;
@@ -21,7 +21,7 @@ use crate::transport::{Counters, shading};
 
 /// The line along `ray` that leaves `vertex`.
 #[inline]
-fn joint<'a>(scene: &Scene, vertex: &Vertex, ray: Ray, blockers: Blockers, random: &'a PathRandom) -> Joint<'a> {
+fn joint<'a, N>(scene: &Scene, vertex: &Vertex, ray: Ray, blockers: Blockers, random: &'a N) -> Joint<'a, N> {
     let medium = scene.medium_beyond(&vertex.hit, ray.direction, vertex.medium);
     Joint { ray, medium, blockers, random, step: vertex.steps }
 }
@@ -40,7 +40,7 @@ fn ray_between(from: &Vertex, to: &Vertex, direction: Vec3) -> Ray {
 pub fn direct_light(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
-    random: &PathRandom,
+    random: &impl Numbers,
     acceptance: f32,
     counters: &mut Counters,
 ) -> Rgb {
@@ -77,7 +77,7 @@ pub fn connect(
     walk: &CameraWalk<'_>,
     camera: &Vertex,
     light: &Vertex,
-    random: &PathRandom,
+    random: &impl Numbers,
     acceptance: f32,
     counters: &mut Counters,
 ) -> Rgb {
@@ -139,7 +139,7 @@ pub fn to_camera(
     walk: &LightWalk<'_>,
     selection: &Selection,
     light: &Vertex,
-    random: &PathRandom,
+    random: &impl Numbers,
     counters: &mut Counters,
 ) -> Option<SeenVertex> {
     let scene = walk.scene;

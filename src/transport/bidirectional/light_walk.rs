@@ -2,7 +2,7 @@
 
 use super::vertex::{Vertex, reverse_pdf};
 use super::weights::{Densities, Sums, Weighting};
-use crate::math::random::{PassRandom, PathRandom};
+use crate::math::random::{Numbers, PassRandom, PathRandom};
 use crate::scene::Scene;
 use crate::scene::geometry::Interaction;
 use crate::scene::light::EmittedPhoton;
@@ -29,9 +29,19 @@ impl LightWalk<'_> {
     /// Traces light subpath `path` and shows each vertex with a lobe that has a density to `visit`, with the path's numbers.
     #[inline]
     pub fn trace(&self, path: u32, counters: &mut Counters, visit: impl FnMut(&Vertex, &PathRandom, &mut Counters)) {
-        let random = self.random.path(path);
+        self.trace_with(&self.random.path(path), counters, visit);
+    }
+
+    /// The same with numbers of any origin.
+    #[inline]
+    pub fn trace_with<N: Numbers>(
+        &self,
+        random: &N,
+        counters: &mut Counters,
+        visit: impl FnMut(&Vertex, &N, &mut Counters),
+    ) {
         let mut weighing = Weighing { walk: self, sums: Sums::default(), visit };
-        trace_light_path(self.scene, None, &self.limits, &random, counters, &mut weighing);
+        trace_light_path(self.scene, None, &self.limits, random, counters, &mut weighing);
     }
 }
 
@@ -42,16 +52,9 @@ struct Weighing<'a, V> {
     visit: V,
 }
 
-impl<V: FnMut(&Vertex, &PathRandom, &mut Counters)> LightVertices for Weighing<'_, V> {
+impl<N: Numbers, V: FnMut(&Vertex, &N, &mut Counters)> LightVertices<N> for Weighing<'_, V> {
     #[inline(always)]
-    fn arrive(
-        &mut self,
-        walk: &Walk,
-        hit: &Interaction,
-        emitted: &EmittedPhoton,
-        random: &PathRandom,
-        counters: &mut Counters,
-    ) {
+    fn arrive(&mut self, walk: &Walk, hit: &Interaction, emitted: &EmittedPhoton, random: &N, counters: &mut Counters) {
         let LightWalk { scene, weighting, .. } = self.walk;
         let cosine = hit.outgoing.dot(hit.geometric_normal).abs();
         self.sums = match walk.segments {

@@ -2,7 +2,7 @@
 
 use super::camera_walk::{CameraWalk, Last};
 use super::weights::{Densities, Sums, Techniques};
-use crate::math::random::{PathRandom, dimension};
+use crate::math::random::{Numbers, dimension};
 use crate::math::{Rgb, Vec3};
 use crate::scene::geometry::Ray;
 use crate::scene::light::Place;
@@ -14,7 +14,7 @@ impl CameraWalk<'_> {
     /// Where the path goes on from `position`, with the density by solid angle.
     #[cold]
     #[inline(never)]
-    pub(super) fn scattered(&self, walk: Walk, position: Vec3, random: &PathRandom) -> Option<(Walk, Last)> {
+    pub(super) fn scattered(&self, walk: Walk, position: Vec3, random: &impl Numbers) -> Option<(Walk, Last)> {
         let medium = self.scene.medium(walk.medium)?;
         let [x, y, ..] = random.block(dimension::scattering(walk.steps));
         let (direction, pdf) = medium.phase.sample(walk.ray.direction, [x, y]);
@@ -28,7 +28,7 @@ impl CameraWalk<'_> {
         &self,
         walk: Walk,
         position: Vec3,
-        random: &PathRandom,
+        random: &impl Numbers,
         counters: &mut Counters,
     ) -> Rgb {
         let scene = self.scene;
