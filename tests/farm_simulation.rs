@@ -255,8 +255,8 @@ impl World {
             coordinator.merging.insert(job, merging);
         }
         let is_begun = plan.is_some();
-        let restored = Restored { plan, totals, pause, ..Restored::default() };
-        self.apply(Event::JobRestored { job, terms, restored });
+        let restored = Restored { plan, totals: totals.clone(), pause, ..Restored::default() };
+        self.apply(Event::JobRestored { job, terms, restored: Box::new(restored) });
         if is_begun {
             self.apply(Event::Merged { job, totals });
         }

@@ -76,7 +76,7 @@ fn as_text(needs: &SceneNeeds, [width, height]: [u32; 2], found: &Survey) -> Str
 }
 
 fn told(trial: &Trial, wanted: f64) -> String {
-    let name = &trial.method.choice.name;
+    let name = &trial.label;
     match trial.error {
         Some(error) => format!(
             "{name:<14}{:>8.1} processor-seconds to relMSE {wanted} (trial: {} passes in {:.2} s, noise {:.4}, bias {:.4})",

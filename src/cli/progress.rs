@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::terminal;
-use crate::farm::job::{JobState, JobStatus};
+use crate::farm::job::{Acceptance, JobState, JobStatus};
 
 /// Time between plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
@@ -61,7 +61,7 @@ impl Progress {
         self.finish();
         let error = error_bound(status);
         let (state, passes, seconds) = (status.state.name(), status.passes_done, status.seconds);
-        terminal::note(&format!("{state}: {passes} passes, {seconds:.0} s{error}"));
+        terminal::note(&format!("{state}: {}, {seconds:.0} s{error}", passes_of(passes)));
     }
 
     /// Removes the bar.
@@ -85,7 +85,7 @@ fn share_done(status: &JobStatus) -> f64 {
 fn state(status: &JobStatus) -> Option<String> {
     let passes = status.passes_done;
     if let Some(since) = status.waiting_for_workers_since {
-        return Some(format!("{passes} passes, waiting for workers since {}", time_of_day(since)));
+        return Some(format!("{}, waiting for workers since {}", passes_of(passes), time_of_day(since)));
     }
     match (status.state, &status.paused) {
         (JobState::Queued, _) if status.waiting_for_memory => {
@@ -93,7 +93,7 @@ fn state(status: &JobStatus) -> Option<String> {
         }
         (JobState::Queued, _) => Some("waiting for a worker".to_owned()),
         (JobState::Choosing, _) => Some("trying methods".to_owned()),
-        (JobState::Paused, Some(reason)) => Some(format!("{passes} passes, {reason}")),
+        (JobState::Paused, Some(reason)) => Some(format!("{}, {reason}", passes_of(passes))),
         _ => None,
     }
 }
@@ -102,10 +102,13 @@ fn description(status: &JobStatus) -> String {
     if let Some(state) = state(status) {
         return state;
     }
-    let total = status.passes_total.map(|total| format!(" of {total}")).unwrap_or_default();
     let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
     let error = error_bound(status);
-    format!("{}{total} passes, {}, {:.0} s{left}{error}", status.passes_done, rate(status), status.seconds)
+    let passes = match status.passes_total {
+        Some(total) => format!("{} of {}", status.passes_done, passes_of(total)),
+        None => passes_of(status.passes_done),
+    };
+    format!("{passes}, {}, {:.0} s{left}{error}", rate(status), status.seconds)
 }
 
 /// The bound of the estimated error, with a comma before it; nothing while none is known.
@@ -119,7 +122,26 @@ fn time_of_day(unix_seconds: u64) -> String {
     format!("{hours:02}:{minutes:02}:{seconds:02} UTC")
 }
 
-/// Photons per second in words.
+/// How often chains accepted what was proposed to them, with a comma before it; nothing for methods without chains.
+pub(super) fn acceptance(status: &JobStatus) -> String {
+    let share = |of: &Acceptance| {
+        let percent = 100.0 * of.accepted as f64 / of.proposed.max(1) as f64;
+        format!(", {percent:.0} % of {} accepted", of.proposal.replace('_', " "))
+    };
+    status.acceptance.iter().map(share).collect()
+}
+
+/// A number of passes in words.
+pub(super) fn passes_of(passes: u32) -> String {
+    if passes == 1 { "1 pass".to_owned() } else { format!("{passes} passes") }
+}
+
+/// Photons per second in words, of methods that emit none the samples of pixels.
 pub(super) fn rate(status: &JobStatus) -> String {
-    format!("{:.2} million photons/s", status.photons_per_second / 1e6)
+    if status.photons_emitted > 0 {
+        return format!("{:.2} million photons/s", status.photons_per_second / 1e6);
+    }
+    let samples = f64::from(status.width) * f64::from(status.height) * f64::from(status.passes_done);
+    let per_second = if status.seconds > 0.0 { samples / status.seconds } else { 0.0 };
+    format!("{:.2} million samples/s", per_second / 1e6)
 }

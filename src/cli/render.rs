@@ -10,7 +10,7 @@ use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
 use super::job_options::JobOptions;
 use super::outputs::{OutputOptions, default_outputs};
-use super::progress::{Progress, rate};
+use super::progress::{Progress, acceptance, passes_of, rate};
 use super::{signals, terminal, weight_maps};
 use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
@@ -127,11 +127,16 @@ pub(super) async fn follow_or_cancel(
 }
 
 fn rates(status: &JobStatus, threads: usize) -> String {
+    let photons = match status.photons_emitted {
+        0 => String::new(),
+        photons => format!(", {photons} photons"),
+    };
+    let of_threads = if threads == 1 { "thread" } else { "threads" };
     format!(
-        "{} passes, {} photons, {}, {:.1} s, {threads} threads",
-        status.passes_done,
-        status.photons_emitted,
+        "{}{photons}, {}, {:.1} s, {threads} {of_threads}{}",
+        passes_of(status.passes_done),
         rate(status),
-        status.seconds
+        status.seconds,
+        acceptance(status),
     )
 }

@@ -10,6 +10,7 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
 use super::log_option::LogOption;
+use super::progress::passes_of;
 use super::provider_options::LoginOptions;
 use super::store_options::StoreOptions;
 use super::tls_options::TlsOptions;
@@ -251,7 +252,7 @@ impl Serve {
     async fn drain(&self, farm: &LocalFarm) {
         let running: Vec<_> = farm.client().jobs().into_iter().filter(|job| !job.state.is_final()).collect();
         for job in running.iter().take(LISTED_JOBS) {
-            terminal::note(&format!("job {} is {} after {} passes", job.id, job.state.name(), job.passes_done));
+            terminal::note(&format!("job {} is {} after {}", job.id, job.state.name(), passes_of(job.passes_done)));
         }
         if running.len() > LISTED_JOBS {
             terminal::note(&format!("and {} further jobs", running.len() - LISTED_JOBS));

@@ -20,6 +20,10 @@ pub const FLUX_SLOPE: &str = "flux_slope";
 /// The plane of the squares of what photons bring, mean of the channels each, W²·sr⁻².
 pub const SQUARED_FLUX: &str = "squared_flux";
 
+/// What the name of a scalar ends in that counts proposals of chains, after their kind.
+pub const PROPOSED: &str = "_proposed";
+/// The same of proposals that were accepted.
+pub const ACCEPTED: &str = "_accepted";
 /// The scalar E: photons emitted, whether or not they were stored.
 pub const PHOTONS_EMITTED: &str = "photons_emitted";
 /// Photons stored in maps, for rates and memory planning.
@@ -150,6 +154,19 @@ impl Declaration {
             planes.push(PlaneDeclaration::new(SQUARED_FLUX, 1, PlaneRule::SquaredFluxOverRadius, false));
         }
         declaration
+    }
+
+    /// The same for a method of chains that makes proposals of these kinds: two scalars of each count them.
+    #[must_use]
+    pub fn with_proposals(mut self, kinds: &[&str]) -> Self {
+        let counts = kinds.iter().flat_map(|kind| [format!("{kind}{PROPOSED}"), format!("{kind}{ACCEPTED}")]);
+        self.scalars.extend(counts.map(|name| ScalarDeclaration { name, rule: ScalarRule::Count }));
+        self
+    }
+
+    /// The kinds of proposals that chains make.
+    pub fn proposals(&self) -> impl Iterator<Item = &str> {
+        self.scalars.iter().filter_map(|scalar| scalar.name.strip_suffix(PROPOSED))
     }
 
     /// Index of a plane.

@@ -20,11 +20,20 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::declaration::{Declaration, DeclarationError, NON_FINITE, PHOTONS_EMITTED, PlaneRule};
+use super::declaration::{ACCEPTED, Declaration, DeclarationError, NON_FINITE, PHOTONS_EMITTED, PROPOSED, PlaneRule};
 use super::radius::{RadiusField, RadiusRule, typical_radius_squared};
 use super::shard::{Region, Shard};
 use super::shrinking::{Radii, Shrinking};
-use super::tally::{Tally, TallyError};
+use super::tally::{ProposalCount, Tally, TallyError};
+
+/// How often chains accepted proposals of one kind.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Acceptance {
+    /// The kind.
+    pub proposal: String,
+    /// What was proposed and what was accepted.
+    pub count: ProposalCount,
+}
 
 /// How far a region has come.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -165,6 +174,16 @@ impl Estimate {
     /// Photons emitted, summed over regions.
     pub fn photons_emitted(&self) -> u64 {
         self.scalar(PHOTONS_EMITTED) as u64
+    }
+
+    /// How often chains accepted what was proposed to them, by kind; empty for methods without chains.
+    pub fn acceptance(&self) -> Vec<Acceptance> {
+        let count = |kind: &str, what: &str| self.scalar(&format!("{kind}{what}")) as u64;
+        let of = |kind: &str| Acceptance {
+            proposal: kind.to_owned(),
+            count: ProposalCount { proposed: count(kind, PROPOSED), accepted: count(kind, ACCEPTED) },
+        };
+        self.declaration.proposals().map(of).collect()
     }
 
     /// Contributions dropped because they were not finite.

@@ -20,11 +20,11 @@ pub mod tally;
 
 pub use declaration::{Declaration, PlaneDeclaration, PlaneRule, ScalarDeclaration, ScalarRule};
 pub use error::ErrorEstimate;
-pub use merging::{Estimate, EstimateError, MergeError};
+pub use merging::{Acceptance, Estimate, EstimateError, MergeError};
 pub use picture::Picture;
 pub use radius::{RadiusField, RadiusRule};
 pub use reading::PixelSums;
 pub use shard::{Region, Shard, Twin};
 pub use shard_sums::{PixelEvenness, PixelTally, RowSums, ShardSums};
 pub use shrinking::PixelEstimate;
-pub use tally::{Tally, TallyError};
+pub use tally::{ProposalCount, Tally, TallyError};

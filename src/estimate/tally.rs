@@ -2,9 +2,18 @@
 
 use std::sync::Arc;
 
-use super::declaration::{Declaration, PHOTONS_EMITTED, PlaneDeclaration, PlaneRule, ScalarRule};
+use super::declaration::{ACCEPTED, Declaration, PHOTONS_EMITTED, PROPOSED, PlaneDeclaration, PlaneRule, ScalarRule};
 use super::shard::Shard;
 use super::shard_sums::{PixelTally, ShardSums, set_plane};
+
+/// Proposals of one kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ProposalCount {
+    /// All of them.
+    pub proposed: u64,
+    /// Those that became the chain's next state.
+    pub accepted: u64,
+}
 
 /// What a shard returns.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,6 +113,15 @@ impl Tally {
     /// A scalar by name; 0 when it is not declared.
     pub fn scalar(&self, name: &str) -> f64 {
         self.declaration.scalar(name).and_then(|index| self.scalars.get(index)).copied().unwrap_or(0.0)
+    }
+
+    /// Sets the scalars that count proposals of chains, one count for each declared kind.
+    pub fn set_proposals(&mut self, counts: &[ProposalCount]) {
+        let declaration = self.declaration.clone();
+        for (kind, count) in declaration.proposals().zip(counts) {
+            self.set_scalar(&format!("{kind}{PROPOSED}"), count.proposed as f64);
+            self.set_scalar(&format!("{kind}{ACCEPTED}"), count.accepted as f64);
+        }
     }
 
     /// Sets a scalar. Nothing happens when it is not declared.

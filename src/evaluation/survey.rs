@@ -26,7 +26,14 @@ use crate::scene::Scene;
 
 /// The methods to choose from. Not the others: the error of `ppm`'s fixed hit points and of the fixed discs of `photon_map` and
 /// `bdpm` does not show in their passes; `pbdpm` is `vcm` without half of its techniques.
-const CANDIDATES: [&str; 5] = ["sppm", "path", "bdpt", "vcm", "light_tracing"];
+const CANDIDATES: [Candidate; 6] = [
+    Candidate::plain("sppm"),
+    Candidate { method: "sppm", parameter: Some(["emission", "metropolis"]) },
+    Candidate::plain("path"),
+    Candidate::plain("bdpt"),
+    Candidate::plain("vcm"),
+    Candidate::plain("light_tracing"),
+];
 /// relMSE that a survey aims at when nobody says otherwise.
 pub const DEFAULT_ERROR: f64 = 0.01;
 /// Pixels of the small picture at most.
@@ -44,9 +51,43 @@ const WORTH: f64 = 0.1;
 /// Processor-seconds of all trials after the first round: who asks for the impossible is not given a farm to find out.
 const MOST_SECONDS: f64 = 60.0;
 
+/// A method to try.
+#[derive(Clone, Copy)]
+struct Candidate {
+    method: &'static str,
+    /// A parameter that is not at its default, by name and value.
+    parameter: Option<[&'static str; 2]>,
+}
+
+impl Candidate {
+    const fn plain(method: &'static str) -> Self {
+        Self { method, parameter: None }
+    }
+
+    /// With the parameters that `choice` gives; `None` where they say something else of this candidate's own.
+    fn choice(&self, choice: impl Fn(&str) -> MethodChoice) -> Option<MethodChoice> {
+        let mut choice = choice(self.method);
+        if let Some([name, value]) = self.parameter
+            && choice.parameters.insert(name.to_owned(), value.into()).is_some()
+        {
+            return None;
+        }
+        Some(choice)
+    }
+
+    fn label(&self) -> String {
+        let Some([name, value]) = self.parameter else { return self.method.to_owned() };
+        format!("{} with {name}: {value}", self.method)
+    }
+}
+
 /// How a method did.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trial {
+    /// Parameters that set it apart from another trial of its method.
+    pub own: serde_json::Map<String, serde_json::Value>,
+    /// What people call it: the method, and the parameter that sets it apart from another trial.
+    pub label: String,
     /// The method, with all parameters for the whole picture.
     pub method: CheckedMethod,
     /// Passes of the trial.
@@ -81,12 +122,12 @@ impl Survey {
         let Some(best) = self.best() else { return "No method finds all light of this scene.".to_owned() };
         let others = self.trials[1..].iter().map(|trial| {
             let factor = trial.expected_seconds / best.expected_seconds;
-            format!("{} {factor:.1}", trial.method.choice.name)
+            format!("{} {factor:.1}", trial.label)
         });
         let others = others.collect::<Vec<_>>().join(", ");
         format!(
             "auto chose {}, which should take {:.0} processor-seconds to relMSE {}; times as long: {others}.",
-            best.method.choice.name, best.expected_seconds, self.wanted
+            best.label, best.expected_seconds, self.wanted
         )
     }
 }
@@ -108,16 +149,16 @@ pub fn survey(
     let small = Arc::new(scene.with_pixels(SMALL_PIXELS));
     let share = pixels as f64 / small.pixel_count() as f64;
     let (mut racers, mut left_out, mut refused) = (Vec::new(), Vec::new(), None);
-    for name in CANDIDATES {
-        let choice = choice(name);
+    for candidate in CANDIDATES {
+        let Some(choice) = candidate.choice(&choice) else { continue };
         let checked = [pixels, small.pixel_count() as u64].map(|pixels| method::check(&choice, pixels));
         match checked {
             [Ok(whole), Ok(checked)] => match method::blind_spot(&whole, traits) {
                 Some(unseen) => left_out.push(unseen),
-                None => racers.push(Racer::new(&small, &checked, whole)?),
+                None => racers.push(Racer::new(&small, &checked, whole, candidate)?),
             },
             [Err(problem), _] | [_, Err(problem)] => {
-                left_out.push(format!("{name} does not take the parameters: {problem}."));
+                left_out.push(format!("{} does not take the parameters: {problem}.", candidate.label()));
                 refused = refused.or(Some(problem));
             }
         }
@@ -137,8 +178,8 @@ pub fn survey(
 /// What the first one has against them, when none does.
 pub fn check_candidates(choice: impl Fn(&str) -> MethodChoice, pixels: u64) -> Result<(), MethodError> {
     let mut first = None;
-    for name in CANDIDATES {
-        match method::check(&choice(name), pixels) {
+    for choice in CANDIDATES.iter().filter_map(|candidate| candidate.choice(&choice)) {
+        match method::check(&choice, pixels) {
             Ok(_) => return Ok(()),
             Err(problem) => first = first.or(Some(problem)),
         }
@@ -178,6 +219,7 @@ struct Trials<'a> {
 
 /// A method in the race.
 struct Racer {
+    candidate: Candidate,
     run: Run,
     method: CheckedMethod,
     /// Theory's rate, above 0 for methods that converge.
@@ -187,9 +229,14 @@ struct Racer {
 }
 
 impl Racer {
-    fn new(small: &Arc<Scene>, checked: &CheckedMethod, method: CheckedMethod) -> Result<Self, RunError> {
+    fn new(
+        small: &Arc<Scene>,
+        checked: &CheckedMethod,
+        method: CheckedMethod,
+        candidate: Candidate,
+    ) -> Result<Self, RunError> {
         let rate = -method::theory_rate(checked);
-        Ok(Self { run: Run::start(small, checked, 0)?, method, rate, seconds: 0.0, error: None })
+        Ok(Self { candidate, run: Run::start(small, checked, 0)?, method, rate, seconds: 0.0, error: None })
     }
 
     /// Makes pairs of passes until `seconds` were spent.
@@ -226,8 +273,9 @@ impl Racer {
 
     fn finish(self, wanted: f64, share: f64) -> Trial {
         let expected_seconds = share * self.expected_seconds(wanted);
-        let Self { run, method, seconds, error, .. } = self;
-        Trial { method, passes: run.passes(), seconds, error, expected_seconds }
+        let Self { candidate, run, method, seconds, error, .. } = self;
+        let own = candidate.parameter.map(|[name, value]| (name.to_owned(), value.into())).into_iter().collect();
+        Trial { own, label: candidate.label(), method, passes: run.passes(), seconds, error, expected_seconds }
     }
 }
 

@@ -9,6 +9,7 @@ use utoipa::ToSchema;
 use super::access::user::UserName;
 use super::cut::Cut;
 use super::ids::JobId;
+pub use super::measured::{Acceptance, EstimatedError};
 pub use crate::import::changes::Changes as SceneChanges;
 
 /// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
@@ -245,24 +246,6 @@ impl JobFilter {
     }
 }
 
-/// How far a job's picture is from the truth, as its own passes tell it, without a reference. Errors are
-/// relMSE = mean((L − truth)²/(Y² + 10⁻³·m²)), with Y the mean of the truth's channels in a pixel and m that of the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct EstimatedError {
-    /// Passes merged when it was estimated.
-    pub passes: u32,
-    /// The estimate: noise and bias together.
-    pub relmse: f64,
-    /// Its part by noise.
-    pub noise: f64,
-    /// Its part by the bias of density estimates; 0 for methods without them, and not known for `photon_map`.
-    pub bias: f64,
-    /// relMSE is below this with the confidence beside it.
-    pub bound: f64,
-    /// Share of pictures whose bound holds.
-    pub confidence: f64,
-}
-
 /// How a job is doing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct JobStatus {
@@ -333,6 +316,9 @@ pub struct JobStatus {
     pub workers: u32,
     /// Contributions dropped because they were not finite.
     pub non_finite: u64,
+    /// How often chains accepted what was proposed to them, by kind of proposal; empty for methods without chains.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub acceptance: Vec<Acceptance>,
     /// Shards that a second worker traced to the same bits.
     #[serde(default)]
     pub shards_verified: u64,

@@ -214,6 +214,7 @@ impl Merging {
             passes: self.estimate.passes(),
             photons_emitted: self.estimate.photons_emitted(),
             non_finite: self.estimate.non_finite(),
+            acceptance: self.estimate.acceptance(),
             error: self.error,
             good_enough: self.is_good_enough(),
             early_bytes: self.waiting.values().map(Tally::bytes).sum(),

@@ -60,9 +60,12 @@ pub fn check_trials(
     check_candidates(|name| choice(name, requested, integrator.as_ref()), pixels)
 }
 
-/// The method that a survey found, or the default.
-pub fn best_method(found: &Survey) -> String {
-    found.best().map_or(DEFAULT_METHOD.to_owned(), |best| best.method.choice.name.clone())
+/// The method that a survey found, with the parameters that set its trial apart; or the default.
+pub fn best_method(found: &Survey) -> MethodChoice {
+    match found.best() {
+        Some(best) => MethodChoice { name: best.method.choice.name.clone(), parameters: best.own.clone() },
+        None => MethodChoice { name: DEFAULT_METHOD.to_owned(), parameters: Map::new() },
+    }
 }
 
 /// The integrator under the name that it has here, without parameters that are passed over, and what to say of those.

@@ -50,6 +50,7 @@ pub mod job;
 pub mod local_farm;
 mod locks;
 pub mod login;
+pub mod measured;
 pub mod merging;
 pub mod method_choice;
 pub mod prepared_scenes;

@@ -32,6 +32,7 @@ const PLUGINS: [(PluginClass, &[&str]); 13] = [
             "depth",
             "direct",
             "direct_projective",
+            "mmlt",
             "moment",
             "path",
             "pbdpm",

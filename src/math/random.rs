@@ -39,6 +39,8 @@ pub enum Stream {
     Chain = 11,
     /// Branches of recorded paths.
     Branch = 12,
+    /// Paths that tell chains what to expect.
+    Trial = 13,
 }
 
 /// As many parts the numbers of a pass have room for.

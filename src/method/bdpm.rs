@@ -37,6 +37,7 @@ use crate::transport::occlusion::Occlusion;
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "bdpm",
+    also_called: &["bidirectional_photon_mapping"],
     summary: "bidirectional photon mapping: photons at every camera vertex, weighted in pairs",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011",

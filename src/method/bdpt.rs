@@ -32,6 +32,7 @@ use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "bdpt",
+    also_called: &["bidir", "bidirectional", "bpt"],
     summary: "bidirectional path tracing: every light and camera vertex connected",
     cannot_sample: "light of point, spot and directional lights through glass onto what glass or mirrors show",
     reference: "Lafortune & Willems 1993; Veach 1997, chapter 10",

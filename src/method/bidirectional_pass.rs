@@ -90,6 +90,7 @@ impl BidirectionalPasses {
             follows_narrow: true,
             photons_per_pass: light_paths,
             first_radius: settings.merging.first_radius,
+            chains: false,
             emission: settings.emission,
             guide_parts: GuideParts::Lights,
             occlusion: Occlusion::Off,

@@ -33,6 +33,12 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
         None
     }
 
+    /// The kinds of proposals that its chains are made, if it has chains; counted in
+    /// [`Counters::steps`](crate::transport::Counters).
+    fn proposals(&self) -> &'static [&'static str] {
+        &[]
+    }
+
     /// What becomes of its bias, where the table says `usual` of the method.
     fn bias(&self, usual: Bias) -> Bias {
         usual

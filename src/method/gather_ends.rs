@@ -47,6 +47,7 @@ impl GatherEnds<'_> {
             follows_narrow: true,
             photons_per_pass,
             first_radius: Auto::Auto,
+            chains: false,
             emission,
             guide_parts: GuideParts::Cells,
             occlusion,

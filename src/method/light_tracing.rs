@@ -23,6 +23,7 @@ use crate::transport::bidirectional::{Show, Techniques};
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "light_tracing",
+    also_called: &["lt", "lighttracer", "light_tracer", "ptracer", "particle_tracing"],
     summary: "light subpaths connected with the camera, for what only they can sample",
     cannot_sample: "anything that the camera sees in mirrors or through glass",
     reference: "Arvo 1986; Veach 1997, chapter 10",

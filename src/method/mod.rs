@@ -30,7 +30,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::estimate::{Declaration, Region, ShardSums};
 use crate::scene::Scene;
-use crate::scene::error::nearest_name;
+use crate::scene::error::closest_name;
 use crate::scene::light::emission_guide::EmissionGuide;
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
@@ -45,6 +45,8 @@ pub use parameters::ParameterHelp;
 pub struct MethodEntry {
     /// The name that users write.
     pub name: &'static str,
+    /// What other renderers and people call it.
+    pub also_called: &'static [&'static str],
     /// What it does, in one line.
     pub summary: &'static str,
     /// Paths that it cannot sample, in one line.
@@ -262,10 +264,25 @@ pub fn table() -> &'static [MethodEntry] {
 
 /// The row of a method.
 pub fn entry(name: &str) -> Result<&'static MethodEntry, MethodError> {
-    METHODS.iter().find(|entry| entry.name == name).ok_or_else(|| {
-        let known: Vec<&str> = METHODS.iter().map(|entry| entry.name).collect();
-        MethodError::Unknown { name: name.to_owned(), remedy: nearest_name(name, &known) }
-    })
+    METHODS
+        .iter()
+        .find(|entry| entry.name == name)
+        .ok_or_else(|| MethodError::Unknown { name: name.to_owned(), remedy: remedy_for_unknown(name) })
+}
+
+/// What to write in place of a method that does not exist: what others call so, or what has nearly that name; and all there are.
+fn remedy_for_unknown(name: &str) -> String {
+    let plain = name.to_ascii_lowercase().replace(['-', ' '], "_");
+    let is_called = |entry: &&MethodEntry| entry.name == plain || entry.also_called.contains(&plain.as_str());
+    let known: Vec<&str> = METHODS.iter().map(|entry| entry.name).collect();
+    let all = known.join(", ");
+    match METHODS.iter().find(is_called) {
+        Some(entry) => format!("it is called \"{}\" here; methods: {all}", entry.name),
+        None => match closest_name(name, known) {
+            Some(close) => format!("did you mean \"{close}\"? Methods: {all}"),
+            None => format!("methods: {all}"),
+        },
+    }
 }
 
 /// Checks a choice against the table. `pixels` is the picture's size, from which `photons_per_pass: auto` follows.
@@ -336,7 +353,7 @@ pub fn theory_rate(method: &CheckedMethod) -> f64 {
 
 /// What the tallies of a checked method hold.
 pub fn declaration(method: &CheckedMethod) -> Arc<Declaration> {
-    Arc::new(method.parameters.gathering().declaration())
+    Arc::new(method.parameters.gathering().declaration().with_proposals(method.parameters.proposals()))
 }
 
 /// Prepares a checked method for a scene.

@@ -8,6 +8,7 @@ use super::parameters::ParameterValue;
 use crate::estimate::RadiusRule;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Show};
+use crate::transport::counters::Step;
 use crate::transport::kernel::Kernel;
 use crate::transport::occlusion::Occlusion;
 
@@ -237,6 +238,40 @@ pub enum Emission {
 
 impl ParameterValue for Emission {
     const RANGE: &'static str = "auto, power, guided";
+}
+
+/// The same for methods whose photons are only gathered: they may be states of chains, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PhotonEmission {
+    /// Guided where the pilot finds that it helps.
+    Auto,
+    /// By power.
+    Power,
+    /// As the pilot learns from what photons are to the picture.
+    Guided,
+    /// As `auto`, in Markov chains of whole paths that stay where the picture looks.
+    Metropolis,
+}
+
+impl ParameterValue for PhotonEmission {
+    const RANGE: &'static str = "auto, power, guided, metropolis";
+}
+
+impl PhotonEmission {
+    /// What chains are proposed, if there are any.
+    pub fn proposals(self) -> &'static [&'static str] {
+        if self == Self::Metropolis { &Step::NAMES } else { &[] }
+    }
+
+    /// How paths begin, whether they are in chains or not.
+    pub fn of_paths(self) -> Emission {
+        match self {
+            Self::Auto | Self::Metropolis => Emission::Auto,
+            Self::Power => Emission::Power,
+            Self::Guided => Emission::Guided,
+        }
+    }
 }
 
 /// How photon-path pairs are weighted.

@@ -27,6 +27,7 @@ use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "path",
+    also_called: &["pt", "pathtracer", "path_tracing", "pathtracing", "unidirectional"],
     summary: "path tracing: light and material sampling combined",
     cannot_sample: "caustics of point, spot and directional lights; small lamps behind glass are very noisy",
     reference: "Kajiya 1986; Veach 1997, chapter 9",

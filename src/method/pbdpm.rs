@@ -34,6 +34,7 @@ use crate::transport::occlusion::Occlusion;
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "pbdpm",
+    also_called: &[],
     summary: "progressive bidirectional photon mapping: bdpm with a shrinking radius",
     cannot_sample: "light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Vorba 2011, section 3.4",

@@ -47,6 +47,7 @@
 //! caustics with blurred rims. Averaging passes removes noise and none of this, which is why progressive methods exist; r
 //! falls as √(k/photons_per_pass). Memory: 36 bytes per stored photon, and again for each caustic one.
 
+mod chained;
 mod contradictions;
 mod direct_light;
 mod first_pass;
@@ -87,6 +88,7 @@ const RAYS_PER_LOOKUP: u64 = 6;
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "photon_map",
+    also_called: &["pm", "photonmapper", "photonmapping", "photon_mapping"],
     summary: "photon mapping in two passes: sampled direct light, caustic map, final gather from a global map",
     cannot_sample: "nothing; but more passes do not remove the bias of its estimate, only more photons per pass do",
     reference: "Jensen 1996",
@@ -112,7 +114,11 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn may_guide_photons(&self) -> bool {
-        self.emission != Emission::Power
+        self.emission.of_paths() != Emission::Power
+    }
+
+    fn proposals(&self) -> &'static [&'static str] {
+        self.emission.proposals()
     }
 
     fn light_sampling(&self) -> Option<LightSampling> {
@@ -199,7 +205,7 @@ impl PreparedMethod for TwoPasses {
         let values = ends.learn(
             self.seed,
             self.photons_per_pass,
-            (self.parameters.emission, self.global.estimate.occlusion),
+            (self.parameters.emission.of_paths(), self.global.estimate.occlusion),
             cancel,
         )?;
         // They were read once already.
@@ -248,11 +254,12 @@ impl TwoPasses {
 /// Counts of so many times as much.
 fn scaled(counters: &Counters, factor: f64) -> Counters {
     let times = |count: u64| (count as f64 * factor) as u64;
-    let Counters { rays, photons_emitted, photons_stored, non_finite } = *counters;
+    let Counters { rays, photons_emitted, photons_stored, non_finite, steps } = *counters;
     Counters {
         rays: times(rays),
         photons_emitted: times(photons_emitted),
         photons_stored: times(photons_stored),
         non_finite: times(non_finite),
+        steps,
     }
 }

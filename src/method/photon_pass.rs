@@ -3,10 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use rayon::prelude::*;
+
 use super::Pass;
 use super::parameter_values::{Auto, DirectLight, Emission};
 use crate::estimate::{PixelEvenness, PixelTally, RadiusRule};
 use crate::math::Rgb;
+use crate::math::color::luminance;
 use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::scene::Scene;
 use crate::scene::light::emission_guide::EmissionGuide;
@@ -17,11 +20,16 @@ use crate::transport::evenness::Evenness;
 use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
+use crate::transport::importance_map::{ImportanceMap, Importon};
+use crate::transport::metropolis::photon_chains::PhotonChains;
 use crate::transport::occlusion::{Occlusion, Sight};
-use crate::transport::photon_map::{Gathered, Grid, PhotonLookup, PhotonMap, TracedPhoton, trace};
+use crate::transport::photon_map::{Gathered, Grid, Photon, PhotonLookup, PhotonMap, TracedPhoton, trace};
 use crate::transport::photon_tracing::PhotonSettings;
 use crate::transport::receiver::{Counting, Receiver};
 use crate::transport::{Counters, Limits};
+
+/// One pixel in so many shows chains where the picture looks.
+const LOOKING_APART: usize = 13;
 
 /// The pass index of the pilot, which has streams of its own.
 pub const PILOT_PASS: u32 = 0;
@@ -44,6 +52,8 @@ pub struct PhotonPasses {
     pub first_radius: Auto<f32>,
     /// Where photons start.
     pub emission: Emission,
+    /// Whether they are states of chains that stay where camera paths look.
+    pub chains: bool,
     /// How finely they may be guided.
     pub guide_parts: GuideParts,
     /// Which photons are tested.
@@ -100,8 +110,54 @@ impl PhotonPasses {
         let (low, high) = self.scene.geometry.bounds();
         let cell = 2.0 * typical_radius_squared.sqrt();
         let grid = Grid::new(low, high, cell, 4 * u64::from(self.photons_per_pass).max(1 << 14));
-        let (chunks, counters) = trace::<R>(&self.scene, &settings, &grid, cancel)?;
+        let mut looking = Counters::default();
+        // The pilot learns from photons that start as its guide says.
+        let importance = match self.chains && photons.stream == Stream::Photon {
+            true => self.importance_map(photons.pass, &mut looking),
+            false => None,
+        };
+        let (chunks, mut counters) = match &importance {
+            Some(importance) => self.chained(photons.pass, settings, importance).trace::<R>(&grid, cancel)?,
+            None => trace::<R>(&self.scene, &settings, &grid, cancel)?,
+        };
+        counters += looking;
         Some((PhotonMap::build(&chunks, grid), counters))
+    }
+
+    fn chained<'a>(
+        &'a self,
+        pass: u32,
+        settings: PhotonSettings<'a>,
+        importance: &'a ImportanceMap,
+    ) -> PhotonChains<'a, impl Fn(&Photon) -> f32 + Sync> {
+        let numbers = |stream| PassRandom::independent(self.seed, stream, pass);
+        PhotonChains {
+            scene: &self.scene,
+            settings,
+            importance: |photon: &Photon| importance.of(photon),
+            mutations: numbers(Stream::Chain),
+            trials: numbers(Stream::Trial),
+        }
+    }
+
+    /// Where the camera paths of a pass look for photons, over the whole picture whatever the pass's region; `None` where they look at nothing.
+    fn importance_map(&self, pass: u32, counters: &mut Counters) -> Option<ImportanceMap> {
+        let random = PassRandom::independent(self.seed, Stream::Importance, pass);
+        let pixels = self.scene.pixel_count();
+        let first = pass as usize % LOOKING_APART.min(pixels);
+        let look = |pixel: usize| {
+            let (mut counters, mut importons) = (Counters::default(), Vec::new());
+            self.camera_path(&random.path(pixel as u32), pixel, &mut counters, |point, _, _| {
+                let importance = luminance(point.throughput);
+                importons.push(Importon { position: point.hit.position, importance });
+            });
+            (importons, counters)
+        };
+        let looks: Vec<(Vec<Importon>, Counters)> =
+            (first..pixels).into_par_iter().step_by(LOOKING_APART).with_min_len(64).map(look).collect();
+        looks.iter().for_each(|(_, counted)| *counters += *counted);
+        let importons: Vec<Importon> = looks.into_iter().flat_map(|(importons, _)| importons).collect();
+        ImportanceMap::new(self.scene.geometry.bounds(), &importons)
     }
 
     /// Sampled direct light at a gather point, without the path's throughput; black where photons bring it.

@@ -23,7 +23,8 @@ use rayon::prelude::*;
 
 use super::bounded_numbers::bounded;
 use super::parameter_values::{
-    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
+    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, PhotonEmission, Radius,
+    RouletteDepth, limits,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::photon_pass::{Found, PILOT_PASS, PhotonPasses, PhotonsOf, add_evenness, add_to_tally};
@@ -55,6 +56,7 @@ const HIT_POINT_PASS: u32 = u32::MAX;
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "ppm",
+    also_called: &["progressive_photon_mapping"],
     summary: "progressive photon mapping: hit points fixed for the whole job, photons anew every pass",
     cannot_sample: "more camera paths than samples_per_pixel: edges and lenses stay as noisy as those leave them",
     reference: "Hachisuka, Ogaki & Jensen 2008",
@@ -81,7 +83,7 @@ parameters! {
         rr_depth: RouletteDepth = RR_DEPTH,
         direct: DirectLight = DIRECT,
         light_picks: LightPicks = LIGHT_PICKS,
-        emission: Emission = EMISSION,
+        emission: PhotonEmission = EMISSION,
         occlusion: Occlusion = OCCLUSION,
         passes: Passes = PASSES,
         samples_per_pixel: Samples =
@@ -103,7 +105,11 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn may_guide_photons(&self) -> bool {
-        self.emission != Emission::Power
+        self.emission.of_paths() != Emission::Power
+    }
+
+    fn proposals(&self) -> &'static [&'static str] {
+        self.emission.proposals()
     }
 
     fn light_sampling(&self) -> Option<LightSampling> {
@@ -126,7 +132,8 @@ impl ParameterizedMethod for Parameters {
             follows_narrow: false,
             photons_per_pass,
             first_radius: self.initial_radius.meters(),
-            emission: self.emission,
+            emission: self.emission.of_paths(),
+            chains: self.emission == PhotonEmission::Metropolis,
             guide_parts: GuideParts::Cells,
             occlusion: self.occlusion,
         };

@@ -2,7 +2,7 @@
 
 use super::parameter_values::{
     All, Auto, Depth, DirectLight, Emission, LightPicks, MergingRadiusRule, OpenUnit, Passes, PathLength, PhotonCount,
-    Radius, RouletteDepth, Subpaths, Switch, Weights,
+    PhotonEmission, Radius, RouletteDepth, Subpaths, Switch, Weights,
 };
 use super::parameters::{Parameter, parameter};
 use crate::estimate::RadiusRule;
@@ -50,10 +50,10 @@ pub const LIGHT_PICKS: Parameter<LightPicks> = parameter(
     "auto",
 );
 /// For `sppm`, `ppm` and `photon_map`.
-pub const EMISSION: Parameter<Emission> = parameter(
+pub const EMISSION: Parameter<PhotonEmission> = parameter(
     "where photons start: by power; guided, mostly where they reach what pixels see, weighted for it; auto: guided where the \
-     pilot finds that it helps",
-    Emission::Auto,
+     pilot finds that it helps; metropolis: as auto, in chains of whole paths that stay where the picture looks, weighted for it",
+    PhotonEmission::Auto,
     "auto",
 );
 /// For `sppm` and `ppm`.

@@ -21,7 +21,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::parameter_values::{
-    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, Radius, RouletteDepth, limits,
+    Auto, Depth, DirectLight, Emission, LightPicks, OpenUnit, Passes, PhotonCount, PhotonEmission, Radius,
+    RouletteDepth, limits,
 };
 use super::parameters::{ParameterSet, parameters, read_method};
 use super::photon_pass::{Found, PhotonPasses, PhotonsOf, add_evenness, add_to_tally};
@@ -43,6 +44,7 @@ use crate::transport::photon_map::{OriginPhoton, PhotonMap};
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "sppm",
+    also_called: &["stochastic_ppm"],
     summary: "stochastic progressive photon mapping: new camera paths every pass, shared pixel statistics",
     cannot_sample: "nothing; every path with a surface that is not a mirror or glass is found",
     reference: "Hachisuka & Jensen 2009; Knaus & Zwicker 2011",
@@ -64,7 +66,7 @@ parameters! {
         rr_depth: RouletteDepth = RR_DEPTH,
         direct: DirectLight = DIRECT,
         light_picks: LightPicks = LIGHT_PICKS,
-        emission: Emission = EMISSION,
+        emission: PhotonEmission = EMISSION,
         occlusion: Occlusion = OCCLUSION,
         passes: Passes = PASSES,
     }
@@ -84,7 +86,11 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn may_guide_photons(&self) -> bool {
-        self.emission != Emission::Power
+        self.emission.of_paths() != Emission::Power
+    }
+
+    fn proposals(&self) -> &'static [&'static str] {
+        self.emission.proposals()
     }
 
     fn light_sampling(&self) -> Option<LightSampling> {
@@ -105,7 +111,8 @@ impl ParameterizedMethod for Parameters {
             follows_narrow: true,
             photons_per_pass,
             first_radius: self.initial_radius.meters(),
-            emission: self.emission,
+            emission: self.emission.of_paths(),
+            chains: self.emission == PhotonEmission::Metropolis,
             guide_parts: GuideParts::Cells,
             occlusion: self.occlusion,
         };

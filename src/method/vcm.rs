@@ -33,6 +33,7 @@ use crate::transport::occlusion::Occlusion;
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
     name: "vcm",
+    also_called: &["upm", "vertex_merging", "vertex_connection_and_merging"],
     summary: "vertex connection and merging: bdpt and pbdpm in one",
     cannot_sample: "nothing but light of point, spot and directional lights that only mirrors and glass reflect to the camera",
     reference: "Georgiev et al. 2012",

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::estimate::declaration::{NON_FINITE, PHOTONS_EMITTED, PHOTONS_STORED, RAYS};
-use crate::estimate::{Declaration, RadiusField, Shard, ShardSums, Tally};
+use crate::estimate::{Declaration, ProposalCount, RadiusField, Shard, ShardSums, Tally};
 use crate::method::{
     self, CheckedMethod, EMISSION_GUIDE, FIRST_RADIUS_SQUARED, LIGHT_VISIBILITY, MethodError, Pass, PilotField,
     PreparedMethod,
@@ -16,6 +16,7 @@ use crate::scene::light::emission_guide::{self, EmissionGuide};
 use crate::scene::light::visibility::VisibilityError;
 use crate::scene::light::{LightTable, LightVisibility};
 use crate::transport::Counters;
+use crate::transport::counters::StepCounts;
 
 /// The caller asked to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -179,6 +180,9 @@ impl Renderer {
         tally.set_scalar(PHOTONS_STORED, total.photons_stored as f64);
         tally.set_scalar(RAYS, total.rays as f64);
         tally.set_scalar(NON_FINITE, total.non_finite as f64);
+        let StepCounts { proposed, accepted } = total.steps;
+        let counts = [0, 1].map(|step| ProposalCount { proposed: proposed[step], accepted: accepted[step] });
+        tally.set_proposals(&counts);
         Ok(tally)
     }
 }

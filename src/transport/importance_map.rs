@@ -1,6 +1,6 @@
 //! Where a picture looks for photons: importons in a grid, and with what probability a photon is worth storing [Wald 1999, section 4.7].
 
-use super::photon_map::Grid;
+use super::photon_map::{Grid, Photon};
 use crate::math::Vec3;
 
 /// A place where photons are looked for.
@@ -19,7 +19,7 @@ const LEAST_SEEN: f64 = 16.0;
 /// At most so many cells.
 const MOST_CELLS: u64 = 1 << 20;
 /// The least probability of storing a photon: none weighs more than its inverse times its flux.
-const LEAST_ACCEPTANCE: f32 = 1.0 / 32.0;
+pub const LEAST_ACCEPTANCE: f32 = 1.0 / 32.0;
 /// Photons are all stored from this share of the importance on that a mean importon sees.
 const ENOUGH: f32 = 0.25;
 
@@ -52,6 +52,12 @@ impl ImportanceMap {
         let at = |importon: &Importon| importance[grid.cell(grid.coordinates(importon.position))];
         let mean = importons.iter().map(|importon| f64::from(importon.importance * at(importon))).sum::<f64>() / total;
         Some(Self { grid, inverse_enough: 1.0 / (ENOUGH * mean as f32), importance })
+    }
+
+    /// The same for a photon.
+    #[inline]
+    pub fn of(&self, photon: &Photon) -> f32 {
+        self.acceptance(Vec3::from_array(photon.position))
     }
 
     /// The probability with which a photon at `position` is stored: p_min + (1 − p_min)·I/I_enough, at most 1.

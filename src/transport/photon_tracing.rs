@@ -41,9 +41,21 @@ pub fn trace_photon<R: TracedPhoton>(
     photons: &mut Vec<R>,
     counters: &mut Counters,
 ) {
-    let random = settings.random.path(path);
+    trace_photon_with(scene, settings, path, &settings.random.path(path), photons, counters);
+}
+
+/// The same of a path with other numbers.
+#[inline]
+pub fn trace_photon_with<R: TracedPhoton>(
+    scene: &Scene,
+    settings: &PhotonSettings<'_>,
+    path: u32,
+    random: &impl Numbers,
+    photons: &mut Vec<R>,
+    counters: &mut Counters,
+) {
     let mut storing = Storing { scene, settings, path, photons, scattered: false };
-    trace_light_path(scene, settings.guide, &settings.limits, &random, counters, &mut storing);
+    trace_light_path(scene, settings.guide, &settings.limits, random, counters, &mut storing);
 }
 
 /// Stores photons where a path meets surfaces.

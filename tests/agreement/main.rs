@@ -14,6 +14,7 @@ mod many_maps;
 mod materials;
 mod methods;
 mod metropolis;
+mod photon_chains;
 mod photon_look_ups;
 mod photon_map;
 mod photon_map_direct;

@@ -20,7 +20,13 @@ fn mean(picture: &Picture) -> f64 {
 }
 
 /// Mean of a picture and its standard error, from `batches` of `passes` passes with seeds of their own.
-pub fn mean_and_error(scene: &Arc<Scene>, method: &str, parameters: &str, batches: u32, passes: u32) -> (f64, f64) {
+pub(crate) fn mean_and_error(
+    scene: &Arc<Scene>,
+    method: &str,
+    parameters: &str,
+    batches: u32,
+    passes: u32,
+) -> (f64, f64) {
     let job = Job::new(scene, method, parameters);
     let start = job.begin().estimate;
     let field = start.radius_field(job.region());
@@ -44,7 +50,7 @@ pub fn mean_and_error(scene: &Arc<Scene>, method: &str, parameters: &str, batche
 }
 
 /// Significance: with 16 batches, 4.5 standard errors are passed by chance once in 2,000 times; seeds are fixed.
-pub const ERRORS: f64 = 4.5;
+pub(crate) const ERRORS: f64 = 4.5;
 
 #[test]
 fn furnaces_have_radiance_one() {

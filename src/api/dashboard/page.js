@@ -125,9 +125,13 @@ function reason(job) {
 function show(job) {
   if (job.id !== chosen) return;
   const ended = hasEnded(job);
-  const rate = (job.photons_per_second / 1e6).toFixed(2);
+  const samples = job.width * job.height * job.passes_done / Math.max(job.seconds, 1e-9);
+  const rate = job.photons_emitted ? `${(job.photons_per_second / 1e6).toFixed(2)} million photons/s`
+    : `${(samples / 1e6).toFixed(2)} million samples/s`;
+  const accepted = (job.acceptance ?? []).map((of) =>
+    ` ${(100 * of.accepted / Math.max(of.proposed, 1)).toFixed(0)} % of ${of.proposal.replaceAll('_', ' ')} accepted.`);
   element('status').textContent = `${job.state}: ${job.passes_done} of ${job.passes_total ?? '∞'} passes, ` +
-    `${rate} million photons/s, ${job.seconds.toFixed(1)} s, ${count(job.workers, 'worker')}. ${reason(job)}`;
+    `${rate}, ${job.seconds.toFixed(1)} s, ${count(job.workers, 'worker')}.${accepted.join('')} ${reason(job)}`;
   element('status').className = job.error ? 'error' : '';
   const share = Math.max(job.passes_done / (job.passes_total ?? Infinity), job.seconds / (job.stop.seconds ?? Infinity));
   element('progress').value = job.state === 'done' ? 1 : share;

@@ -19,7 +19,7 @@ use crate::farm::method_choice::check_trials;
 use crate::farm::rules::Event;
 use crate::farm::rules::terms::Terms;
 use crate::farm::wire::lease::{ChoiceTerms, JobDescription};
-use crate::method::{self, CheckedMethod};
+use crate::method::{self, CheckedMethod, MethodChoice};
 
 /// What of a job may change at any time. What is `None` stays.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -174,9 +174,12 @@ impl Shared {
         ChoiceTerms { parameters: request.parameters, error: request.stop.error.unwrap_or(DEFAULT_ERROR) }
     }
 
-    /// The trials of a job chose `method`.
-    pub(super) fn choose(&self, job: &JobRecord, method: String, reason: String) -> Result<(), FarmError> {
-        let request = JobRequest { method: Some(method), ..job.request() };
+    /// The trials of a job made a choice; what its user gave stays as it is.
+    pub(super) fn choose(&self, job: &JobRecord, choice: MethodChoice, reason: String) -> Result<(), FarmError> {
+        let MethodChoice { name, mut parameters } = choice;
+        let mut request = JobRequest { method: Some(name), ..job.request() };
+        parameters.append(&mut request.parameters);
+        request.parameters = parameters;
         let scene = self.scene(&request.scene)?;
         let pixels = u64::from(scene.summary.width) * u64::from(scene.summary.height);
         let resolved = request::resolve_method(&request, scene.integrator.as_ref(), pixels, scene.traits)?;

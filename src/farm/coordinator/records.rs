@@ -118,10 +118,10 @@ impl Shared {
         let plan = merging.as_ref().map(|merging| merging.plan.clone());
         let is_begun = plan.is_some();
         let ran = if is_begun { ran } else { Duration::ZERO };
-        let restored = Restored { plan, totals, history, ran, pause };
+        let restored = Restored { plan, totals: totals.clone(), history, ran, pause };
         *place = merging;
         job.generation.fetch_add(1, Ordering::Relaxed);
-        self.apply(Event::JobRestored { job: job.id, terms, restored });
+        self.apply(Event::JobRestored { job: job.id, terms, restored: Box::new(restored) });
         if is_begun {
             // It may be complete already.
             self.apply(Event::Merged { job: job.id, totals });

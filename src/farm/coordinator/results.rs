@@ -12,7 +12,7 @@ use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::plan::Plan;
 use crate::farm::rules::{Answer, Event, Outcome};
-use crate::method;
+use crate::method::{self, MethodChoice};
 use crate::render::Pilot;
 use crate::render::first_surface::FirstSurface;
 
@@ -20,8 +20,8 @@ use crate::render::first_surface::FirstSurface;
 pub(in crate::farm) enum Payload {
     /// Of [`Work::Choice`].
     Choice {
-        /// The method.
-        method: String,
+        /// The method, with parameters that are not at their defaults.
+        choice: MethodChoice,
         /// Why.
         reason: String,
     },
@@ -113,8 +113,8 @@ impl Shared {
         payload: Payload,
     ) -> Result<(), String> {
         match (payload, lease.work) {
-            (Payload::Choice { method, reason }, _) => {
-                self.choose(job, method, reason).map_err(|problem| problem.to_string())
+            (Payload::Choice { choice, reason }, _) => {
+                self.choose(job, choice, reason).map_err(|problem| problem.to_string())
             }
             (Payload::FirstSurfaces(seen), _) => {
                 self.seen_first.insert(&job.description().scene, seen);

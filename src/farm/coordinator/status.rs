@@ -4,10 +4,10 @@ use std::time::Duration;
 
 use super::clock::Clock;
 use super::shared::{JobFacts, JobRecord, State};
-use crate::estimate::ErrorEstimate;
 use crate::estimate::error::CONFIDENCE;
+use crate::estimate::{self, ErrorEstimate, ProposalCount};
 use crate::farm::ids::WorkerId;
-use crate::farm::job::{EstimatedError, JobState, JobStatus, WorkerState, WorkerStatus};
+use crate::farm::job::{Acceptance, EstimatedError, JobState, JobStatus, WorkerState, WorkerStatus};
 use crate::farm::locks::lock;
 use crate::farm::method_choice::AUTO;
 use crate::farm::rules::roster::WorkerRecord;
@@ -29,7 +29,7 @@ impl State {
             return JobStatus { name: labels.name, tags: labels.tags, priority: labels.priority, ..last };
         };
         let now = clock.now();
-        let (seconds, totals) = (progress.seconds(now), progress.totals);
+        let (seconds, totals) = (progress.seconds(now), &progress.totals);
         let mut workers: Vec<WorkerId> = self.rules.leases().of_job(job.id).map(|lease| lease.worker).collect();
         workers.sort_unstable();
         workers.dedup();
@@ -49,6 +49,7 @@ impl State {
             seconds_left: progress.seconds_left(now).filter(|_| deserted.is_none()),
             workers: if deserted.is_some() { 0 } else { workers.len() as u32 },
             non_finite: totals.non_finite,
+            acceptance: totals.acceptance.iter().map(acceptance).collect(),
             shards_verified: progress.checks.verified,
             shards_mismatched: progress.checks.mismatched,
             shards_unchecked: progress.checks.unchecked,
@@ -127,6 +128,7 @@ impl JobFacts {
             seconds_left: terms.stop.seconds,
             workers: 0,
             non_finite: 0,
+            acceptance: Vec::new(),
             shards_verified: 0,
             shards_mismatched: 0,
             shards_unchecked: 0,
@@ -135,4 +137,9 @@ impl JobFacts {
             picture_version: 0,
         }
     }
+}
+
+fn acceptance(of: &estimate::Acceptance) -> Acceptance {
+    let ProposalCount { proposed, accepted } = of.count;
+    Acceptance { proposal: of.proposal.clone(), proposed, accepted }
 }

@@ -17,7 +17,7 @@ use crate::farm::wire::lease::JobDescription;
 use crate::farm::wire::messages::result_request::Outcome as Sent;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
 use crate::farm::wire::{WireError, first_surfaces, result};
-use crate::method::{self, MOST_GUIDE_VALUES};
+use crate::method::{self, MOST_GUIDE_VALUES, MethodChoice};
 
 /// Whether the worker that delivers has the lease, so that its result is worth the memory that it takes.
 pub(super) fn is_awaited(shared: &Shared, delivery: Delivery) -> bool {
@@ -91,8 +91,13 @@ fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Sent>) -> Result<Payl
     let description = job.description();
     let (width, pixels) = (description.width, description.width as usize * description.height as usize);
     match (lease.work, outcome.ok_or(WireError::Missing("outcome"))?) {
-        (Work::Choice, Sent::Choice(messages::Choice { method, reason })) => {
-            Ok(Payload::Choice { method, reason: shorten(&reason) })
+        (Work::Choice, Sent::Choice(messages::Choice { method, reason, parameters })) => {
+            let parameters = match parameters.as_str() {
+                "" => serde_json::Map::new(),
+                text => serde_json::from_str(text)
+                    .map_err(|_| WireError::Malformed("parameters are no JSON object".to_owned()))?,
+            };
+            Ok(Payload::Choice { choice: MethodChoice { name: method, parameters }, reason: shorten(&reason) })
         }
         (Work::Pilot, Sent::Pilot(message)) => {
             Ok(Payload::Pilot(result::decode_pilot(&message, pixels, &*declaration(&description)?)?))

@@ -28,7 +28,7 @@ pub enum Event {
         /// What was agreed.
         terms: Terms,
         /// How far it had come.
-        restored: Restored,
+        restored: Box<Restored>,
     },
     /// The trials of a job whose method was `auto` are over; the adapter has stored the choice.
     MethodChosen {

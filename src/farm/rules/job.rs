@@ -104,7 +104,7 @@ impl Job {
         let Restored { plan, totals, history, ran, pause } = restored;
         let mut job = Self::new(terms);
         job.ran.before = ran;
-        (job.totals, job.history, job.next_index) = (totals, history, totals.shards);
+        (job.next_index, job.totals, job.history) = (totals.shards, totals, history);
         if let Some(plan) = plan {
             job.returned.clear();
             job.limit = plan.shard_count();
@@ -289,11 +289,11 @@ impl Job {
         if let Some(measured) = totals.error.filter(|_| totals.error != self.totals.error) {
             self.history.push(ErrorPoint { seconds: self.seconds(now), measured });
         }
-        self.totals = totals;
         self.arrived = self.arrived.split_off(&totals.shards);
         if totals.good_enough {
             self.limit = self.limit.min(totals.shards);
         }
+        self.totals = totals;
     }
 
     /// Whether the stop rule's seconds ran out just now.

@@ -116,7 +116,7 @@ impl Rules {
     fn answer(&mut self, now: Duration, event: Event) -> Answer {
         match event {
             Event::JobAdded { job, terms } => self.insert(job, Job::new(terms)),
-            Event::JobRestored { job, terms, restored } => self.insert(job, Job::restored(terms, restored)),
+            Event::JobRestored { job, terms, restored } => self.insert(job, Job::restored(terms, *restored)),
             Event::MethodChosen { job, terms, reasons } => self.with_job(job, |rules, job| {
                 job.method_chosen(terms, reasons);
                 rules.work_appeared = true;

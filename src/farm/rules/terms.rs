@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use super::plan::Plan;
-use crate::estimate::ErrorEstimate;
+use crate::estimate::{Acceptance, ErrorEstimate};
 use crate::farm::job::{Priority, StopRule};
 
 /// The error of a picture, and when it was estimated.
@@ -28,7 +28,7 @@ pub struct ErrorPoint {
 }
 
 /// What the merged shards add up to.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct MergedTotals {
     /// Shards merged.
     pub shards: u64,
@@ -38,6 +38,8 @@ pub struct MergedTotals {
     pub photons_emitted: u64,
     /// Contributions dropped because they were not finite.
     pub non_finite: u64,
+    /// How often chains accepted what was proposed to them.
+    pub acceptance: Vec<Acceptance>,
     /// The last estimate of the error.
     pub error: Option<MeasuredError>,
     /// The error is as small as the stop rule asks for: nothing more will be merged.

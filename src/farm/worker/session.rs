@@ -32,6 +32,7 @@ use crate::farm::wire::messages::{
     Choice, HeartbeatRequest, HeartbeatResponse, LeaseResponse, ReleaseRequest, ResultRequest, ResultResponse,
 };
 use crate::farm::wire::result::{encode_pilot, encode_tally};
+use crate::method::MethodChoice;
 use crate::render::first_surface::{FirstSurface, first_surface_layers};
 use crate::render::{Cancelled, Pilot, Renderer};
 use crate::scene::Scene;
@@ -341,7 +342,12 @@ fn choose(scene: &Scene, terms: &ChoiceTerms, cancel: &AtomicBool) -> Result<Pro
         .map_err(RunError::from)
         .and_then(|mut time| try_methods(scene, &terms.parameters, terms.error, &mut time, cancel));
     match found {
-        Ok(found) => Ok(Product::Choice(Choice { method: best_method(&found), reason: found.reason() })),
+        Ok(found) => {
+            let MethodChoice { name, parameters } = best_method(&found);
+            let parameters =
+                if parameters.is_empty() { String::new() } else { serde_json::Value::Object(parameters).to_string() };
+            Ok(Product::Choice(Choice { method: name, reason: found.reason(), parameters }))
+        }
         Err(RunError::Cancelled(cancelled)) => Err(cancelled),
         Err(problem) => Ok(Product::Failure(problem.to_string())),
     }

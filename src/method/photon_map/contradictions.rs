@@ -1,8 +1,9 @@
 //! Parameters of `photon_map` that contradict each other, or leave one without effect: refused with what would be right.
 
 use super::parameters::{DEFAULT_COARSEST, DEFAULT_FINEST, DirectMode, Parameters, ShownPart};
+use super::storage::Storage;
 use crate::method::Contradiction;
-use crate::method::parameter_values::{Auto, Switchable};
+use crate::method::parameter_values::{Auto, PhotonEmission, Switchable};
 use crate::transport::caustic_splitting::Splitting;
 use crate::transport::neighbor_choice::NeighborChoice;
 
@@ -17,6 +18,7 @@ impl Parameters {
             .or_else(|| self.of_direct_light())
             .or_else(|| self.of_cache())
             .or_else(|| self.of_splitting())
+            .or_else(|| self.of_chains())
     }
 
     /// How parameters that say which pixels look at which maps contradict each other, if they do.
@@ -127,6 +129,24 @@ impl Parameters {
             ),
             _ => None,
         }
+    }
+
+    /// How photons of chains contradict other parameters, if they do.
+    fn of_chains(&self) -> Option<Contradiction> {
+        if self.emission != PhotonEmission::Metropolis {
+            return None;
+        }
+        let name = if self.storage != Storage::All {
+            "storage"
+        } else if self.caustic_splitting.get() > 1 {
+            "caustic_splitting"
+        } else {
+            return None;
+        };
+        refused(
+            format!("\"{name}\" chooses among photons that \"emission\": \"metropolis\" has chosen already"),
+            "leave one of them out",
+        )
     }
 
     /// How parameters of caustic splitting contradict others, if they do.

@@ -8,6 +8,7 @@ use super::look_up::LookUp;
 use super::storage::{Storage, stored};
 use crate::math::random::{MOST_PARTS, PassRandom, Stream};
 use crate::method::Pass;
+use crate::method::parameter_values::PhotonEmission;
 use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::Counters;
 use crate::transport::importance_map::ImportanceMap;
@@ -24,6 +25,20 @@ pub(super) struct Maps<P> {
     pub(super) caustic: P,
 }
 
+/// The numbers of one of a pass's maps.
+pub(super) struct MapNumbers {
+    /// Of its photons.
+    pub(super) stream: Stream,
+    /// Its index among all maps of the pass.
+    pub(super) map: u32,
+}
+
+impl MapNumbers {
+    pub(super) fn of(&self, seed: u64, pass: u32, stream: Stream) -> PassRandom {
+        PassRandom::independent(seed, stream, pass).part(self.map, MOST_PARTS)
+    }
+}
+
 impl TwoPasses {
     /// First pass: traces and sorts the photons of set `set` of the pass's maps, with numbers of its own.
     pub(super) fn trace_photons(
@@ -33,7 +48,6 @@ impl TwoPasses {
         set: u32,
         cancel: &AtomicBool,
     ) -> Option<(Maps<Vec<PhotonMap<f32>>>, Counters)> {
-        let random = PassRandom::independent(self.seed, stream, pass.index);
         let count = self.parameters.maps.get();
         let mut maps = Maps { global: Vec::new(), caustic: Vec::new() };
         let mut total = Counters::default();
@@ -41,32 +55,41 @@ impl TwoPasses {
             Storage::All => None,
             Storage::Importance => self.importance_map(pass.index, &mut total),
         };
+        let chained = match self.parameters.emission {
+            PhotonEmission::Metropolis => Some(self.photon_importance(pass.index, &mut total)),
+            PhotonEmission::Auto | PhotonEmission::Power | PhotonEmission::Guided => None,
+        };
         for map in 0..count {
             let photons = self.photons_per_pass / count + u32::from(map < self.photons_per_pass % count);
-            let random = random.part(set * count + map, MOST_PARTS);
-            total += self.trace_map(&random, photons, pass.guide, importance.as_ref(), &mut maps, cancel)?;
+            let numbers = MapNumbers { stream, map: set * count + map };
+            let (found, counters) = match &chained {
+                Some(chained) => self.trace_chains(pass, chained, &numbers, photons, cancel)?,
+                None => {
+                    let random = numbers.of(self.seed, pass.index, stream);
+                    self.trace_map(&random, photons, pass.guide, importance.as_ref(), cancel)?
+                }
+            };
+            total += counters;
+            maps.global.push(found.global);
+            maps.caustic.push(found.caustic);
         }
         Some((maps, total))
     }
 
-    /// Traces `photons` photons into a map of each kind, which are added to `maps`.
+    /// Traces `photons` photons into a map of each kind.
     fn trace_map(
         &self,
         random: &PassRandom,
         photons: u32,
         guide: Option<&EmissionGuide>,
         importance: Option<&ImportanceMap>,
-        maps: &mut Maps<Vec<PhotonMap<f32>>>,
         cancel: &AtomicBool,
-    ) -> Option<Counters> {
+    ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
         let settings = self.photon_settings(random, photons, guide);
-        let (found, counters) = match (self.splitting.factor(), importance) {
-            (1, None) => self.trace_all(&settings, cancel)?,
-            (_, importance) => self.trace_some(&settings, importance, cancel)?,
-        };
-        maps.global.push(found.global);
-        maps.caustic.push(found.caustic);
-        Some(counters)
+        match (self.splitting.factor(), importance) {
+            (1, None) => self.trace_all(&settings, cancel),
+            (_, importance) => self.trace_some(&settings, importance, cancel),
+        }
     }
 
     /// Which photons are traced: all that pixels may look up.
@@ -86,13 +109,18 @@ impl TwoPasses {
         cancel: &AtomicBool,
     ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
         let (chunks, counters) = maps::trace::<OriginPhoton>(&self.scene, settings, &self.grid(&self.global), cancel)?;
-        let all = PhotonMap::build(&chunks, self.grid(&self.global));
+        Some((self.sorted(&chunks), counters))
+    }
+
+    /// Maps of all photons.
+    pub(super) fn sorted(&self, chunks: &[PhotonChunk<OriginPhoton>]) -> Maps<PhotonMap<f32>> {
+        let all = PhotonMap::build(chunks, self.grid(&self.global));
         let caustic = all.select(self.grid(&self.caustic), Photon::is_caustic);
         let global = match self.gathers() {
             false => all.select(self.grid(&self.global), Photon::is_scattered),
             true => all,
         };
-        Some((Maps { global, caustic }, counters))
+        Maps { global, caustic }
     }
 
     /// The caustic map holds more photons than the global map, or that does not hold all.

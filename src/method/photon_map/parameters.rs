@@ -4,7 +4,7 @@ use super::storage::Storage;
 use crate::math::trigonometry::sin_cos_turn;
 use crate::method::bounded_numbers::bounded;
 use crate::method::parameter_values::{
-    Auto, Depth, Emission, LightPicks, Passes, PhotonCount, Radius, RouletteDepth, Switch, Switchable,
+    Auto, Depth, LightPicks, Passes, PhotonCount, PhotonEmission, Radius, RouletteDepth, Switch, Switchable,
 };
 use crate::method::parameters::{ParameterValue, parameter, parameters};
 use crate::method::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
@@ -201,7 +201,7 @@ parameters! {
             "0.5",
         ),
         light_picks: LightPicks = LIGHT_PICKS,
-        emission: Emission = EMISSION,
+        emission: PhotonEmission = EMISSION,
         occlusion: Occlusion = OCCLUSION,
         neighbor_choice: NeighborChoice = parameter(
             "by what a look-up takes fewer photons where they lie on one side: fixed, nothing; their centre of gravity; their mean \

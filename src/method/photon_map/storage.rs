@@ -10,6 +10,7 @@ use crate::math::random::{PassRandom, PathRandom, Stream, dimension};
 use crate::method::gather_ends::GatherEnds;
 use crate::method::pilot::PilotView;
 use crate::transport::Counters;
+use crate::transport::camera_walk::GatherPoint;
 use crate::transport::importance_map::{ImportanceMap, Importon};
 use crate::transport::photon_map::OriginPhoton;
 
@@ -27,9 +28,23 @@ pub(super) enum Storage {
 const PIXELS_APART: u32 = 4;
 
 impl TwoPasses {
-    /// The importance map of a pass: of camera paths of its own, over the whole picture whatever the pass's region; `None` where the picture
-    /// looks at no photons.
+    /// The importance of the global map's photons in a pass, by camera paths of its own over the whole picture, whatever the pass's region; `None`
+    /// where the picture looks at no photons.
     pub(super) fn importance_map(&self, pass: u32, counters: &mut Counters) -> Option<ImportanceMap> {
+        self.importance_where(pass, |at| !at.goes_on, counters)
+    }
+
+    /// The same of caustic photons.
+    pub(super) fn caustic_importance(&self, pass: u32, counters: &mut Counters) -> Option<ImportanceMap> {
+        self.importance_where(pass, |at| at.goes_on, counters)
+    }
+
+    fn importance_where(
+        &self,
+        pass: u32,
+        counts: impl Fn(&GatherPoint) -> bool + Sync,
+        counters: &mut Counters,
+    ) -> Option<ImportanceMap> {
         let [width, height] = [self.scene.width, self.scene.height];
         let ends = GatherEnds {
             scene: &self.scene,
@@ -46,7 +61,7 @@ impl TwoPasses {
             for x in (0..width).step_by(PIXELS_APART as usize) {
                 let pixel = y * width + (x + shift[0]).min(width - 1);
                 ends.visit(pixel as usize, &mut counters, &mut |at, _, _| {
-                    if !at.goes_on {
+                    if counts(at) {
                         let importance = luminance(at.throughput);
                         importons.push(Importon { position: at.hit.position, importance });
                     }

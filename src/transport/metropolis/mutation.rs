@@ -2,8 +2,10 @@
 
 use crate::math::random::{Numbers, PathRandom};
 
-/// The smallest and the largest step of a small change.
-const STEPS: [f32; 2] = [1.0 / 1024.0, 1.0 / 64.0];
+/// The largest step of a small change; the smallest is 2⁻⁶ as large.
+const LARGEST_STEP: f32 = 1.0 / 64.0;
+/// How often steps are halved from the largest to the smallest.
+const HALVINGS: f32 = 6.0;
 
 /// As many independent numbers as it takes, one after the other.
 pub struct Source {
@@ -21,7 +23,7 @@ impl Source {
 
     /// The next number in [0, 1).
     #[inline]
-    pub fn next(&mut self) -> f32 {
+    pub fn number(&mut self) -> f32 {
         if self.used == 4 {
             self.rest = Numbers::block(&self.random, self.block);
             self.block = self.block.wrapping_add(1);
@@ -32,13 +34,20 @@ impl Source {
     }
 }
 
-/// `number` moved by a small step to either side, round the borders of [0, 1). It is as likely to come back.
+/// `number` moved by a small step to either side, round the borders of [0, 1). It is as likely to come back. Steps of all orders of size are about
+/// as frequent.
 #[inline]
 pub fn moved(number: f32, u: f32) -> f32 {
-    let [smallest, largest] = STEPS;
     let (side, u) = if u < 0.5 { (1.0, 2.0 * u) } else { (-1.0, 2.0 * u - 1.0) };
-    let step = largest * libm::expf(-(largest / smallest).ln() * u);
-    let moved = number + side * step;
+    let moved = number + side * LARGEST_STEP * halved(HALVINGS * u);
     let wrapped = if moved < 0.0 { moved + 1.0 } else { moved };
     if wrapped >= 1.0 { wrapped - 1.0 } else { wrapped }
+}
+
+/// 2^−`times` for whole numbers in [0, 127), straight lines between them.
+#[inline]
+fn halved(times: f32) -> f32 {
+    let whole = times as u32;
+    let power = f32::from_bits((127 - whole) << 23);
+    power * (1.0 - 0.5 * (times - whole as f32))
 }

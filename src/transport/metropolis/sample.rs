@@ -4,7 +4,6 @@
 //! Its numbers are those of the light subpath, those of the camera subpath, and one that picks the way. What it brings to the picture is weighted by
 //! multiple importance sampling, times the number of ways; the mean over all numbers is the radiance of all paths of the length.
 
-use crate::math::color::luminance;
 use crate::math::random::{PassRandom, RecordedNumbers, Stream};
 use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
@@ -13,9 +12,9 @@ use crate::transport::bidirectional::{
 };
 use crate::transport::{Counters, Limits};
 
-/// A point of the space of numbers for paths of one length.
+/// A point of the primary sample space [Kelemen et al. 2002] of paths of one length: all numbers that make one.
 #[derive(Clone, Debug, Default)]
-pub struct Numbers {
+pub struct PrimarySample {
     /// Of the light subpath.
     pub light: Vec<[f32; 4]>,
     /// Of the camera subpath. The first two say where on the picture it starts.
@@ -47,12 +46,14 @@ pub fn blocks(vertices: u32) -> usize {
     2 * vertices as usize + 2
 }
 
-impl Numbers {
-    /// All numbers of paths of `segments`, from `next`.
-    pub fn fresh(segments: u32, mut next: impl FnMut() -> f32) -> Self {
-        let mut vector = || (0..blocks(segments + 1)).map(|_| std::array::from_fn(|_| next())).collect();
-        let (light, camera) = (vector(), vector());
-        Self { light, camera, way: next() }
+impl PrimarySample {
+    /// Takes all numbers of paths of `segments` from `next`.
+    pub fn renew(&mut self, segments: u32, mut next: impl FnMut() -> f32) {
+        for numbers in [&mut self.light, &mut self.camera] {
+            numbers.clear();
+            numbers.extend((0..blocks(segments + 1)).map(|_| [0; 4].map(|_| next())));
+        }
+        self.way = next();
     }
 
     /// The way that they pick for paths of `segments`.
@@ -71,37 +72,31 @@ pub struct PathSampler<'a> {
 }
 
 impl PathSampler<'_> {
-    /// Appends what the path of `segments` with these numbers brings to `splats`; its luminance in all.
-    pub fn trace(&self, segments: u32, numbers: &Numbers, splats: &mut Vec<Splat>, counters: &mut Counters) -> f32 {
+    /// Appends what the path of `segments` with these numbers brings to `splats`.
+    pub fn trace(&self, segments: u32, numbers: &PrimarySample, splats: &mut Vec<Splat>, counters: &mut Counters) {
         let way = numbers.way(segments);
         let first = splats.len();
         let light_end = match way.light {
             0 | 1 => None,
             _ => match self.light_end(way.light, numbers, counters) {
-                None => return 0.0,
+                None => return,
                 end => end,
             },
         };
         match (&light_end, way.camera) {
-            (Some(end), 1) => self.to_camera(segments, way, end, numbers, splats, counters),
-            (end, _) => self.from_camera(segments, way, end.as_ref(), numbers, splats, counters),
+            (Some(end), 1) => self.end_at_camera(segments, way, end, numbers, splats, counters),
+            (end, _) => self.end_at_camera_subpath(segments, way, end.as_ref(), numbers, splats, counters),
         }
         let ways = (segments + 1) as f32;
-        let mut brought = 0.0;
-        for splat in &mut splats[first..] {
-            splat.radiance *= ways;
-            brought += luminance(splat.radiance.abs());
+        splats[first..].iter_mut().for_each(|splat| splat.radiance *= ways);
+        if !splats[first..].iter().all(|splat| splat.radiance.is_finite()) {
+            counters.non_finite += 1;
+            splats.truncate(first);
         }
-        if brought.is_finite() {
-            return brought;
-        }
-        counters.non_finite += 1;
-        splats.truncate(first);
-        0.0
     }
 
     /// The last vertex of the light subpath.
-    fn light_end(&self, vertices: u32, numbers: &Numbers, counters: &mut Counters) -> Option<Vertex> {
+    fn light_end(&self, vertices: u32, numbers: &PrimarySample, counters: &mut Counters) -> Option<Vertex> {
         // A photon leaves a segment to the camera.
         let limits = Limits { max_depth: Some(vertices), rr_depth: u32::MAX };
         let random = unused();
@@ -115,12 +110,12 @@ impl PathSampler<'_> {
         end
     }
 
-    fn to_camera(
+    fn end_at_camera(
         &self,
         segments: u32,
         way: Way,
         end: &Vertex,
-        numbers: &Numbers,
+        numbers: &PrimarySample,
         splats: &mut Vec<Splat>,
         counters: &mut Counters,
     ) {
@@ -140,12 +135,12 @@ impl PathSampler<'_> {
         }
     }
 
-    fn from_camera(
+    fn end_at_camera_subpath(
         &self,
         segments: u32,
         way: Way,
         end: Option<&Vertex>,
-        numbers: &Numbers,
+        numbers: &PrimarySample,
         splats: &mut Vec<Splat>,
         counters: &mut Counters,
     ) {

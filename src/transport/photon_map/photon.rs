@@ -77,12 +77,21 @@ pub struct PathSegment {
 pub trait TracedPhoton: PhotonRecord {
     /// A photon at the end of `segment`.
     fn traced(photon: Photon, segment: PathSegment) -> Self;
+
+    /// The same photon with `factor` times its flux.
+    #[must_use]
+    fn scaled(self, factor: f32) -> Self;
 }
 
 impl TracedPhoton for Photon {
     #[inline(always)]
     fn traced(photon: Photon, _: PathSegment) -> Self {
         photon
+    }
+
+    #[inline]
+    fn scaled(self, factor: f32) -> Self {
+        Self::scaled(self, factor)
     }
 }
 
@@ -128,12 +137,22 @@ impl TracedPhoton for OriginPhoton {
     fn traced(photon: Photon, segment: PathSegment) -> Self {
         Self { photon, extra: segment.length }
     }
+
+    #[inline]
+    fn scaled(self, factor: f32) -> Self {
+        Self::scaled(self, factor)
+    }
 }
 
 impl TracedPhoton for PathPhoton {
     #[inline(always)]
     fn traced(photon: Photon, segment: PathSegment) -> Self {
         Self { photon, extra: segment }
+    }
+
+    #[inline]
+    fn scaled(self, factor: f32) -> Self {
+        Self::scaled(self, factor)
     }
 }
 

@@ -1,0 +1,159 @@
+//! Chains and other methods at equal time where photons are hard to come by: makes `docs/METROPOLIS.md`.
+//!
+//! `cargo run --release --example metropolis -- 20 > docs/METROPOLIS.md` gives each picture 20 processor-seconds of one thread and each reference thirty
+//! times as many: about 75 minutes. Names of scenes after the number choose among them.
+
+use std::error::Error;
+use std::path::Path;
+use std::sync::Arc;
+
+use photonfarm::estimate::{Picture, picture_files};
+use photonfarm::evaluation::{Machine, ProcessStopwatch, Run, Stopwatch, compare};
+use photonfarm::import::load_file;
+use photonfarm::method::{self, MethodChoice};
+use photonfarm::scene::Scene;
+use serde_json::{Map, Value};
+
+/// Pixels on each side.
+const SIZE: u32 = 96;
+/// So many times as long a reference takes.
+const REFERENCE: f64 = 30.0;
+
+/// A scene, and the method of its reference.
+struct Row {
+    scene: &'static str,
+    reference: &'static str,
+    /// The paper's relative root mean square errors: Metropolis photon sampling, photon mapping.
+    paper: Option<[f64; 2]>,
+}
+
+const ROWS: [Row; 5] = [
+    Row { scene: "rooms", reference: "bdpt", paper: Some([0.036, 0.424]) },
+    Row { scene: "jack-o-lantern", reference: "bdpt", paper: Some([0.073, 1.165]) },
+    Row { scene: "mirror-box", reference: "vcm", paper: Some([0.0214, 0.0227]) },
+    Row { scene: "door-ajar", reference: "bdpt", paper: None },
+    Row { scene: "invisible-date", reference: "bdpt", paper: None },
+];
+
+/// A method with one parameter that is not at its default.
+struct Contender {
+    method: &'static str,
+    parameter: Option<(&'static str, &'static str)>,
+}
+
+const fn plain(method: &'static str) -> Contender {
+    Contender { method, parameter: None }
+}
+
+const fn emitting(method: &'static str, emission: &'static str) -> Contender {
+    Contender { method, parameter: Some(("emission", emission)) }
+}
+
+const CONTENDERS: [Contender; 8] = [
+    emitting("photon_map", "power"),
+    emitting("sppm", "power"),
+    emitting("sppm", "guided"),
+    emitting("sppm", "metropolis"),
+    plain("mmlt"),
+    plain("bdpt"),
+    plain("vcm"),
+    plain("path"),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
+    let mut arguments = std::env::args().skip(1);
+    let seconds: f64 = arguments.next().map_or(Ok(20.0), |text| text.parse())?;
+    let chosen: Vec<String> = arguments.collect();
+    println!(
+        "{HEADER}\n{seconds} processor-seconds of one thread, {SIZE} × {SIZE} pixels, {}.",
+        Machine::here().processor
+    );
+    for row in ROWS.iter().filter(|row| chosen.is_empty() || chosen.iter().any(|name| row.scene == name)) {
+        let path = Path::new("scenes").join(row.scene).join("scene.xml");
+        let description = load_file(&path, &[("size".to_owned(), SIZE.to_string())])?;
+        let scene = Arc::new(Scene::prepare(&description)?);
+        println!("\n## {}\n", row.scene);
+        if let Some([sampled, mapped]) = row.paper {
+            println!("In the paper: Metropolis photon sampling {sampled}, photon mapping {mapped}.\n");
+        }
+        let reference = traced(&scene, &plain(row.reference), 7, REFERENCE * seconds)?.picture();
+        println!(
+            "| method | passes | relative RMS error | relMSE | mean | worst 8 × 8 block | accepted: small steps, large |"
+        );
+        println!("|---|---:|---:|---:|---:|---:|---:|");
+        for contender in &CONTENDERS {
+            let run = traced(&scene, contender, 1, seconds)?;
+            let found = compare(&run.picture(), &reference, None)?;
+            println!(
+                "| {} | {} | {:.4} | {:.5} | {:+.2} % | {:.1} % | {} |",
+                label(contender),
+                run.passes(),
+                found.relmse.sqrt(),
+                found.relmse,
+                100.0 * found.bias,
+                100.0 * found.block_bias_max,
+                acceptance(&run)
+            );
+            save(row, contender, &run.picture())?;
+        }
+        println!();
+        for contender in &CONTENDERS[1..6] {
+            println!("![{}](metropolis/{})", label(contender), file(row, contender));
+        }
+    }
+    println!("\n{VERDICT}");
+    Ok(())
+}
+
+/// A run that lasted for so many processor-seconds, its pilot included.
+fn traced(scene: &Arc<Scene>, contender: &Contender, seed: u64, seconds: f64) -> Result<Run, Box<dyn Error>> {
+    let parameters: Map<String, Value> =
+        contender.parameter.iter().map(|(name, value)| ((*name).to_owned(), Value::from(*value))).collect();
+    let choice = MethodChoice { name: contender.method.to_owned(), parameters };
+    let checked = method::check(&choice, scene.pixel_count() as u64)?;
+    let mut stopwatch = ProcessStopwatch::start()?;
+    let mut run = Run::start(scene, &checked, seed)?;
+    while stopwatch.spent()?.processor < seconds {
+        run.pass()?;
+    }
+    Ok(run)
+}
+
+fn label(Contender { method, parameter }: &Contender) -> String {
+    parameter.map_or(format!("`{method}`"), |(name, value)| format!("`{method}`, `{name}: {value}`"))
+}
+
+fn acceptance(run: &Run) -> String {
+    let share = |kind: &str| {
+        let [proposed, accepted] = ["proposed", "accepted"].map(|what| run.count(&format!("{kind}_{what}")));
+        (proposed > 0.0).then(|| format!("{:.0} %", 100.0 * accepted / proposed))
+    };
+    let shares: Vec<String> = ["small_step", "large_step"].into_iter().filter_map(share).collect();
+    shares.join(", ")
+}
+
+fn file(row: &Row, Contender { method, parameter }: &Contender) -> String {
+    let value = parameter.map_or(String::new(), |(_, value)| format!("-{value}"));
+    format!("{}-{method}{value}.png", row.scene)
+}
+
+fn save(row: &Row, contender: &Contender, picture: &Picture) -> Result<(), Box<dyn Error>> {
+    let folder = Path::new("docs/metropolis");
+    std::fs::create_dir_all(folder)?;
+    Ok(std::fs::write(folder.join(file(row, contender)), picture_files::encode_png(picture, 0.0)?)?)
+}
+
+const HEADER: &str = "\
+# Markov chains
+
+Made by `cargo run --release --example metropolis -- 20 > docs/METROPOLIS.md` (about 75 minutes).
+
+What chains bring where photons by power hardly come to the picture: photons of `sppm` by chains of whole paths (`emission: metropolis`) and Metropolis light transport (`mmlt`) beside
+other methods at equal time. Scenes are those of the paper on Metropolis photon sampling, modelled anew, with its relative root mean square errors of about two hundred seconds of a machine of 2005, at four to
+eight hundred pixels a side; and two more that are hard to light. References are pictures of `bdpt` or `vcm` after thirty times the time.
+";
+
+const VERDICT: &str = "\
+## What is found
+";

@@ -1,0 +1,241 @@
+//! Photons of a pass as states of Markov chains over the numbers of their paths, which stay where the picture looks [Hachisuka & Jensen 2011,
+//! "Robust adaptive photon tracing using photon path visibility"].
+//!
+//! The target I of a path is the largest importance of its photons, between a small share and 1. A pass samples some of its paths
+//! uniformly: they are photons like any others, and chains start at some of them, picked in proportion to I, so that no chain has a start-up bias
+//! [Veach 1997, 11.3.1]. By the balance heuristic a photon of either kind counts 1/(n_u + n_c·I/b₀), with n_u uniform paths, n_c states of chains, and
+//! b₀ about the mean of I; states of chains count b/b₀ times as much, b being the mean of I over the pass's uniform paths. Whatever b₀ is that does
+//! not depend on them, means are right, since b and the starting paths belong together.
+
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
+
+use super::mutation::{Source, moved};
+use crate::math::discrete::Discrete;
+use crate::math::random::{Numbers, PassRandom, PathRandom, dimension};
+use crate::scene::Scene;
+use crate::transport::Counters;
+use crate::transport::counters::Step;
+use crate::transport::importance_map::LEAST_ACCEPTANCE;
+use crate::transport::photon_map::{Grid, Photon, PhotonChunk, TracedPhoton, trace_chunks};
+use crate::transport::photon_tracing::{PhotonSettings, trace_photon_with};
+
+/// One path in so many of a pass is sampled uniformly.
+const UNIFORM: u32 = 4;
+/// Beside the paths of a pass one in so many tells b₀.
+const TRIALS: u32 = 64;
+/// States of a chain.
+const STATES: u32 = 256;
+/// The share of mutations that change all of a path's numbers.
+const LARGE: f32 = 0.1;
+/// Blocks of numbers that small steps move: those of emission, and of scattering at the first four surfaces. What comes behind them changes with them
+/// anyway, and every number that is moved costs time.
+const MOVED: [usize; 6] = [
+    dimension::EMISSION as usize,
+    dimension::EMISSION_DIRECTION as usize,
+    dimension::scattering(1) as usize,
+    dimension::scattering(2) as usize,
+    dimension::scattering(3) as usize,
+    dimension::scattering(4) as usize,
+];
+/// Blocks that are kept.
+const BLOCKS: usize = MOVED[5] + 1;
+
+/// Makes the photons of a pass; `I` says how important a photon is, at most 1.
+pub struct PhotonChains<'a, I> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Which photons are stored; its numbers are those of uniform paths.
+    pub settings: PhotonSettings<'a>,
+    /// How important a photon is to the picture, above 0 and at most 1.
+    pub importance: I,
+    /// The numbers of mutations.
+    pub mutations: PassRandom,
+    /// The numbers of paths that tell b₀.
+    pub trials: PassRandom,
+}
+
+/// The numbers of a path: some that small steps move, and those of an address behind them.
+#[derive(Clone, Copy, Debug)]
+struct PathNumbers {
+    blocks: [[f32; 4]; BLOCKS],
+    rest: PathRandom,
+}
+
+impl PathNumbers {
+    fn new(rest: PathRandom) -> Self {
+        Self { blocks: std::array::from_fn(|block| rest.block(block as u32)), rest }
+    }
+
+    fn moved(mut self, source: &mut Source) -> Self {
+        for block in MOVED {
+            self.blocks[block].iter_mut().for_each(|number| *number = moved(*number, source.number()));
+        }
+        self
+    }
+}
+
+impl Numbers for PathNumbers {
+    #[inline]
+    fn block(&self, block: u32) -> [f32; 4] {
+        self.blocks.get(block as usize).copied().unwrap_or_else(|| self.rest.block(block))
+    }
+
+    fn branch(&self, index: u32) -> PathRandom {
+        self.rest.branch(index)
+    }
+}
+
+/// How photons of a pass count.
+#[derive(Clone, Copy, Debug)]
+struct Weights {
+    /// n_u.
+    uniform: f32,
+    /// n_c.
+    chained: f32,
+    /// b₀.
+    expected: f32,
+    /// b/b₀.
+    ratio: f32,
+}
+
+impl Weights {
+    /// What the flux of a uniform path with this target counts, where all n_u + n_c paths of the pass are averaged.
+    fn of_uniform(&self, target: f32) -> f32 {
+        (self.uniform + self.chained) / (self.uniform + self.chained * target / self.expected)
+    }
+
+    fn of_chained(&self, target: f32) -> f32 {
+        self.ratio * self.of_uniform(target)
+    }
+}
+
+/// The paths that were sampled uniformly.
+struct UniformPaths<R> {
+    chunks: Vec<PhotonChunk<R>>,
+    targets: Vec<f64>,
+    counters: Counters,
+}
+
+impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
+    /// The photons of the pass, in the order of their paths; `None` when cancelled.
+    pub fn trace<R: TracedPhoton>(&self, grid: &Grid, cancel: &AtomicBool) -> Option<(Vec<PhotonChunk<R>>, Counters)> {
+        let paths = self.settings.paths;
+        let uniform = paths.div_ceil(UNIFORM);
+        let (expected, trials) = self.expected::<R>(paths.div_ceil(TRIALS), cancel)?;
+        let mut weights = Weights { uniform: uniform as f32, chained: (paths - uniform) as f32, expected, ratio: 1.0 };
+        let UniformPaths { mut chunks, targets, mut counters } = self.uniform::<R>(&weights, uniform, grid, cancel)?;
+        counters.rays += trials.rays;
+        // Every target is above 0.
+        if let Some(starts) = Discrete::new(&targets) {
+            weights.ratio = (starts.total() / targets.len() as f64) as f32 / expected;
+            let chains = |states: Range<u32>, counters: &mut Counters| {
+                let mut photons = Vec::new();
+                for first in states.clone().step_by(STATES as usize) {
+                    let states = first..states.end.min(first + STATES);
+                    self.chain(&weights, &starts, states, &mut photons, counters);
+                }
+                PhotonChunk::store(photons, grid, counters)
+            };
+            let (chained, found) = trace_chunks(paths - uniform, cancel, chains)?;
+            chunks.extend(chained);
+            counters += found;
+        }
+        counters.photons_emitted = u64::from(paths);
+        Some((chunks, counters))
+    }
+
+    /// The mean target of paths that are nothing else.
+    fn expected<R: TracedPhoton>(&self, trials: u32, cancel: &AtomicBool) -> Option<(f32, Counters)> {
+        let (sums, counters) = trace_chunks(trials, cancel, |paths, counters| {
+            let mut photons: Vec<R> = Vec::new();
+            let mut sum = 0.0;
+            for path in paths {
+                photons.clear();
+                let numbers = self.trials.path(path);
+                sum += f64::from(self.photons(path, &numbers, &mut photons, counters));
+            }
+            sum
+        })?;
+        Some(((sums.iter().sum::<f64>() / f64::from(trials)) as f32, counters))
+    }
+
+    fn uniform<R: TracedPhoton>(
+        &self,
+        weights: &Weights,
+        count: u32,
+        grid: &Grid,
+        cancel: &AtomicBool,
+    ) -> Option<UniformPaths<R>> {
+        let (found, counters) = trace_chunks(count, cancel, |paths, counters| {
+            let (mut photons, mut targets): (Vec<R>, _) = (Vec::new(), Vec::with_capacity(paths.len()));
+            for path in paths {
+                let first = photons.len();
+                let target = self.photons(path, &self.settings.random.path(path), &mut photons, counters);
+                let weight = weights.of_uniform(target);
+                photons[first..].iter_mut().for_each(|photon| *photon = photon.scaled(weight));
+                targets.push(f64::from(target));
+            }
+            (PhotonChunk::store(photons, grid, counters), targets)
+        })?;
+        let (chunks, targets): (Vec<_>, Vec<_>) = found.into_iter().unzip();
+        Some(UniformPaths { chunks, targets: targets.concat(), counters })
+    }
+
+    /// Runs a chain through `states` and appends their photons; those of a state that stays are stored once.
+    fn chain<R: TracedPhoton>(
+        &self,
+        weights: &Weights,
+        starts: &Discrete,
+        states: Range<u32>,
+        stored: &mut Vec<R>,
+        counters: &mut Counters,
+    ) {
+        let mut source = Source::new(self.mutations.path(states.start));
+        let start = starts.pick(source.number()).0 as u32;
+        let mut numbers = PathNumbers::new(self.settings.random.path(start));
+        let (mut photons, mut proposed): (Vec<R>, Vec<R>) = (Vec::new(), Vec::new());
+        let mut target = self.photons(start, &numbers, &mut photons, counters);
+        let mut times = 0;
+        for state in states {
+            let step = if source.number() < LARGE { Step::Large } else { Step::Small };
+            let next = match step {
+                Step::Large => PathNumbers::new(self.mutations.path(LARGE_STEPS | state)),
+                Step::Small => numbers.moved(&mut source),
+            };
+            proposed.clear();
+            let next_target = self.photons(start, &next, &mut proposed, counters);
+            let accepted = source.number() * target < next_target;
+            counters.steps.count(step, accepted);
+            if accepted {
+                store(&photons, times, weights.of_chained(target), stored);
+                (numbers, target, times) = (next, next_target, 0);
+                std::mem::swap(&mut photons, &mut proposed);
+            }
+            times += 1;
+        }
+        store(&photons, times, weights.of_chained(target), stored);
+    }
+
+    /// Traces a path and appends its photons; its target.
+    fn photons<R: TracedPhoton>(
+        &self,
+        path: u32,
+        numbers: &impl Numbers,
+        photons: &mut Vec<R>,
+        counters: &mut Counters,
+    ) -> f32 {
+        let first = photons.len();
+        trace_photon_with(self.scene, &self.settings, path, numbers, photons, counters);
+        photons[first..].iter().map(|photon| (self.importance)(photon.photon())).fold(LEAST_ACCEPTANCE, f32::max)
+    }
+}
+
+/// Keeps the numbers of large steps apart from those of mutations.
+const LARGE_STEPS: u32 = 1 << 31;
+
+fn store<R: TracedPhoton>(photons: &[R], times: u32, weight: f32, stored: &mut Vec<R>) {
+    if times > 0 {
+        stored.extend(photons.iter().map(|photon| photon.scaled(weight * times as f32)));
+    }
+}
