@@ -441,6 +441,23 @@ async fn the_description_names_every_address() {
     assert!(page.contains("photonfarm") && !page.contains("https://"), "loads nothing from elsewhere");
 }
 
+/// A terminal's prompt does not stand behind what `curl` prints.
+#[tokio::test(flavor = "multi_thread")]
+async fn answers_in_json_end_with_a_line_break() {
+    let farm = Farm::start(0).await;
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    let (job, unknown) = (format!("/v1/jobs/{id}"), "/v1/jobs/zzzzzzzz".to_owned());
+    let paths =
+        ["/healthz", "/openapi.json", "/v1/methods", "/v1/jobs", "/v1/scenes", "/v1/workers", "/v1/me", &job, &unknown];
+    for path in paths {
+        let response = farm.get(path).await;
+        let kind = response.headers()[header::CONTENT_TYPE].to_str().expect("text").to_owned();
+        assert!(kind.contains("json"), "{path}: {kind}");
+        let text = response.text().await.expect("text");
+        assert!(text.ends_with("}\n"), "{path}: {text}");
+    }
+}
+
 /// Names, tags, priority, pause, copies and deletion of jobs and scenes.
 #[tokio::test(flavor = "multi_thread")]
 async fn jobs_are_changed_copied_and_deleted() {

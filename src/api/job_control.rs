@@ -1,9 +1,9 @@
 //! Jobs that are there: paused, resumed, extended, copied, renamed, deleted.
 
+use axum::Extension;
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
-use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
@@ -11,6 +11,7 @@ use super::ApiState;
 use super::extract::{JsonBody, PathValue, parse_job};
 use super::guard::OwnJob;
 use super::jobs::{JobView, accepted};
+use super::json_answer::Json;
 use super::preferences::{Preferences, is_version_meant};
 use super::problem::Problem;
 use crate::farm::access::caller::Caller;

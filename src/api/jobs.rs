@@ -2,16 +2,17 @@
 
 use std::num::NonZeroU32;
 
+use axum::Extension;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
 use super::extract::{JsonBody, PathValue, QueryValues, parse_job};
 use super::guard::OwnJob;
+use super::json_answer::Json;
 use super::preferences::Preferences;
 use super::problem::Problem;
 use crate::farm::FarmError;

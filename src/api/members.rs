@@ -1,13 +1,14 @@
 //! Users and tokens.
 
+use axum::Extension;
 use axum::extract::State;
 use axum::http::StatusCode;
-use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::ApiState;
 use super::extract::{JsonBody, PathValue};
+use super::json_answer::Json;
 use super::problem::Problem;
 use crate::farm::access::caller::Caller;
 use crate::farm::access::scope::Role;

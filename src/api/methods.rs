@@ -1,9 +1,9 @@
 //! The methods, from the same table that the command line and the manual read.
 
-use axum::Json;
 use serde::Serialize;
 use utoipa::ToSchema;
 
+use super::json_answer::Json;
 use crate::method::{self, MethodEntry, ParameterHelp};
 
 /// All methods.

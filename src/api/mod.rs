@@ -20,6 +20,7 @@ pub mod guard;
 pub mod images;
 pub mod job_control;
 pub mod jobs;
+mod json_answer;
 pub mod maps;
 pub mod members;
 pub mod methods;

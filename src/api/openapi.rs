@@ -34,7 +34,7 @@ pub fn with_problems(mut description: utoipa::openapi::OpenApi) -> utoipa::opena
 
 /// Serves `description` at `/openapi.json` and `/v1/openapi.json`.
 pub fn routes(description: utoipa::openapi::OpenApi) -> Router {
-    let text: Arc<str> = serde_json::to_string_pretty(&description).unwrap_or_default().into();
+    let text: Arc<str> = (serde_json::to_string_pretty(&description).unwrap_or_default() + "\n").into();
     let answer = move || {
         let text = text.to_string();
         async move { ([(header::CONTENT_TYPE, "application/json")], text).into_response() }

@@ -65,7 +65,7 @@ impl Preferences {
     /// A job as an answer, which says what of this was done and which version it is.
     pub fn answer(&self, status: StatusCode, job: JobStatus) -> Response {
         let tag = version(&job);
-        let mut response = (status, axum::Json(JobView::from(job))).into_response();
+        let mut response = (status, super::json_answer::Json(JobView::from(job))).into_response();
         let headers = response.headers_mut();
         if let Ok(tag) = HeaderValue::from_str(&tag) {
             headers.insert(header::ETAG, tag);

@@ -1,6 +1,5 @@
 //! Logging in to the page with an account at a provider (OpenID Connect).
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{AppendHeaders, IntoResponse, Response};
@@ -10,6 +9,7 @@ use utoipa::{IntoParams, ToSchema};
 use super::ApiState;
 use super::extract::QueryValues;
 use super::guard::cookie_named;
+use super::json_answer::Json;
 use super::problem::Problem;
 use super::session;
 use crate::farm::login::provider::{LoginError, Provider};

@@ -1,16 +1,17 @@
 //! Scenes: upload once, refer to by hash.
 
+use axum::Extension;
 use axum::body::Body;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use axum::{Extension, Json};
 use futures_util::StreamExt;
 use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::ApiState;
 use super::extract::PathValue;
+use super::json_answer::Json;
 use super::problem::Problem;
 use crate::farm::SceneSummary;
 use crate::farm::access::caller::Caller;

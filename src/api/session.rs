@@ -1,15 +1,16 @@
 //! Who one is, and how a page stays logged in: by a cookie that scripts cannot read and other sites cannot use.
 
+use axum::Extension;
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::ApiState;
 use super::extract::JsonBody;
 use super::guard::{COOKIE, session};
+use super::json_answer::Json;
 use super::problem::Problem;
 use crate::farm::access::caller::Caller;
 use crate::farm::access::scope::Scope;

@@ -1,6 +1,5 @@
 //! Webhooks: programs that are told when a job changes its state.
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, Uri};
 use serde::{Deserialize, Serialize};
@@ -8,6 +7,7 @@ use utoipa::ToSchema;
 
 use super::ApiState;
 use super::extract::{JsonBody, PathValue};
+use super::json_answer::Json;
 use super::problem::Problem;
 use crate::farm::webhooks::signature::key_text;
 use crate::farm::webhooks::webhook::Webhook;

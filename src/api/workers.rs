@@ -1,12 +1,12 @@
 //! Workers, what happened, and whether the coordinator itself is well.
 
-use axum::Json;
 use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
 use super::extract::{QueryValues, parse_job};
+use super::json_answer::Json;
 use super::problem::Problem;
 use crate::farm::job::WorkerStatus;
 use crate::farm::store::journal::JournalRow;

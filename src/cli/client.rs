@@ -120,6 +120,10 @@ impl Client {
         self.send_json(Method::POST, "/v1/jobs", submission).await
     }
 
+    pub(super) async fn job(&self, id: &str) -> Result<JobStatus, CliError> {
+        self.json(self.request(Method::GET, &job_path(id, "")?)).await
+    }
+
     pub(super) async fn jobs(&self, query: &JobsQuery) -> Result<Vec<JobStatus>, CliError> {
         Ok(self.json::<JobList>(self.request(Method::GET, "/v1/jobs").query(query)).await?.jobs)
     }

@@ -24,7 +24,8 @@ impl Fetch {
         }
         self.output.check()?;
         let client = self.coordinator.client()?;
-        if self.output.write(&client, &self.id).await? {
+        let job = client.job(&self.id).await?;
+        if self.output.write(&client, &job).await? {
             return Ok(());
         }
         Err(CliError::Failed(format!("job {} has no picture yet; fetch it again in a moment", self.id)))

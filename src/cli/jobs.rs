@@ -14,7 +14,7 @@ use crate::farm::job::{JobState, JobStatus};
 
 /// List a coordinator's jobs, all or those that are asked for.
 ///
-/// Oldest first: id, state, passes, seconds, method, owner, name, separated by tabs. The state of a job that waits because no
+/// Oldest first: id, state, passes, seconds, method, owner, name, separated by tabs, on a terminal under a line that says so. The state of a job that waits because no
 /// worker is connected ends in "no worker".
 #[derive(Clone, Debug, Args)]
 pub(super) struct Jobs {
@@ -50,6 +50,7 @@ impl Jobs {
         if json {
             return terminal::json(&jobs);
         }
+        terminal::heads(&["ID", "STATE", "PASSES", "SECONDS", "METHOD", "OWNER", "NAME"])?;
         for job in jobs {
             terminal::result(&line(&job))?;
         }

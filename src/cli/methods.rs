@@ -5,7 +5,7 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::terminal;
 use crate::api::methods::MethodView;
-use crate::method::{MethodEntry, table};
+use crate::method::{MethodEntry, entry, table};
 
 /// List the methods with their parameters.
 ///
@@ -21,16 +21,10 @@ pub(super) struct Methods {
 
 impl Methods {
     pub(super) fn run(self) -> Result<(), CliError> {
-        let wanted = |entry: &&MethodEntry| self.name.as_ref().is_none_or(|name| entry.name == name);
-        let entries: Vec<&MethodEntry> = table().iter().filter(wanted).collect();
-        if entries.is_empty() {
-            let known: Vec<&str> = table().iter().map(|entry| entry.name).collect();
-            let name = self.name.unwrap_or_default();
-            return Err(CliError::BadInput(format!(
-                "there is no method \"{name}\"; known names: {}",
-                known.join(", ")
-            )));
-        }
+        let entries = match &self.name {
+            Some(name) => vec![entry(name).map_err(|error| CliError::BadInput(error.to_string()))?],
+            None => table().iter().collect(),
+        };
         if self.json {
             return terminal::json(&entries.into_iter().map(MethodView::from).collect::<Vec<_>>());
         }
@@ -44,6 +38,9 @@ fn description(entry: &MethodEntry) -> String {
         format!("  cannot sample: {}", entry.cannot_sample),
         format!("  reference: {}", entry.reference),
     ];
+    if !entry.also_called.is_empty() {
+        lines.push(format!("  also called: {}", entry.also_called.join(", ")));
+    }
     let width = entry.parameters.iter().map(|parameter| parameter.name.len()).max().unwrap_or(0);
     lines.extend(entry.parameters.iter().map(|parameter| {
         format!(

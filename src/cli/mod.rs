@@ -35,6 +35,7 @@ mod scene_file;
 mod scene_options;
 mod scenes;
 mod serve;
+mod shell;
 mod signals;
 mod stop_options;
 mod store;
@@ -76,6 +77,9 @@ struct CommandLine {
     /// Log more to standard error; twice for still more.
     #[arg(short, long, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
+    /// Say nothing on standard error but errors.
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -112,12 +116,14 @@ enum Command {
     Evaluate(evaluate::Evaluate),
     Chart(chart::Chart),
     Map(map::Map),
+    Completions(shell::Completions),
+    Manual(shell::Manual),
 }
 
 /// Reads the command line, does what it says and tells the exit code.
 pub fn main() -> ExitCode {
     if let Err(missing) = processor::check() {
-        terminal::note(&format!("photonfarm: {missing}"));
+        terminal::error(&format!("photonfarm: {missing}"));
         return ExitCode::FAILURE;
     }
     let command_line = CommandLine::parse();
@@ -126,11 +132,14 @@ pub fn main() -> ExitCode {
         Command::Worker(worker) => Some(worker.log.log),
         _ => None,
     };
+    if command_line.quiet {
+        terminal::be_quiet();
+    }
     start_log(command_line.verbose, farm_log);
     match run(command_line.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            terminal::note(&format!("photonfarm: {error}"));
+            terminal::error(&format!("photonfarm: {error}"));
             error.exit_code()
         }
     }
@@ -168,6 +177,8 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Evaluate(command) => command.run(),
         Command::Chart(command) => command.run(),
         Command::Map(command) => command.run(),
+        Command::Completions(command) => command.run(),
+        Command::Manual(command) => command.run(),
     }
 }
 
@@ -182,13 +193,15 @@ fn in_runtime(command: impl Future<Output = Result<(), CliError>>) -> Result<(),
 
 fn start_log(verbose: u8, farm_log: Option<LogForm>) {
     let level = match verbose {
+        _ if terminal::is_quiet() => LevelFilter::ERROR,
         0 => LevelFilter::WARN,
         1 => LevelFilter::INFO,
         2 => LevelFilter::DEBUG,
         _ => LevelFilter::TRACE,
     };
     // Who joins, leaves or dies is for everybody who runs a farm.
-    let events = if farm_log.is_some() { level.max(LevelFilter::INFO) } else { level };
+    let is_told = farm_log.is_some() && !terminal::is_quiet();
+    let events = if is_told { level.max(LevelFilter::INFO) } else { level };
     let filter = Targets::new().with_default(level).with_target(EVENTS, events);
     let lines = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).log_internal_errors(false);
     let lines = match farm_log.unwrap_or_default() {

@@ -7,7 +7,10 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::client::Client;
 use super::exit_code::CliError;
-use crate::estimate::picture_files::{LAYERS, PictureFormat, check_writable, write_file};
+use super::progress::passes_of;
+use super::terminal;
+use crate::estimate::picture_files::{LAYERS, PictureFormat, PictureOrigin, check_writable, read_origin, write_file};
+use crate::farm::job::JobStatus;
 
 /// How pictures are written.
 #[derive(Clone, Debug, Args)]
@@ -21,6 +24,9 @@ pub(super) struct OutputOptions {
     /// Further layers of EXR files, separated by commas.
     #[arg(long, value_delimiter = ',', value_parser = layer_names())]
     layers: Vec<String>,
+    /// Replace files that hold the same scene after more passes, too; else these stay, and the picture goes to a file beside them.
+    #[arg(long)]
+    overwrite: bool,
 }
 
 impl OutputOptions {
@@ -53,11 +59,21 @@ impl OutputOptions {
         self.exposure.unwrap_or(0.0)
     }
 
-    /// Fetches the job's picture and writes all files. Tells whether there was a picture.
-    pub(super) async fn write(&self, client: &Client, id: &str) -> Result<bool, CliError> {
+    /// Fetches the job's picture, writes all files and says which. Tells whether there was a picture.
+    pub(super) async fn write(&self, client: &Client, job: &JobStatus) -> Result<bool, CliError> {
         for path in &self.outputs {
-            let Some(bytes) = client.image(id, &self.image(path)?).await? else { return Ok(false) };
-            write_file(path, &bytes)?;
+            let Some(bytes) = client.image(&job.id, &self.image(path)?).await? else { return Ok(false) };
+            let better = if self.overwrite { None } else { passes_if_better(path, job) };
+            let target = better.map_or(path.clone(), |_| beside(path, job.passes_done));
+            write_file(&target, &bytes)?;
+            let kept = better.map_or(String::new(), |passes| {
+                format!(
+                    "; {} has {} of this scene and stays (--overwrite replaces it)",
+                    path.display(),
+                    passes_of(passes)
+                )
+            });
+            terminal::note(&format!("wrote {}{kept}", target.display()));
         }
         Ok(true)
     }
@@ -68,6 +84,24 @@ impl OutputOptions {
             PictureFormat::Png => format!("image.png?exposure={}", self.exposure()),
         })
     }
+}
+
+/// The passes of the picture at `path` if it shows the job's scene after more of them. A PNG file does not say so: the EXR file of its name does.
+fn passes_if_better(path: &Path, job: &JobStatus) -> Option<u32> {
+    let there = path.try_exists().unwrap_or(false);
+    let PictureOrigin { scene, passes } = read_origin(&path.with_extension("exr")).filter(|_| there)?;
+    (scene == job.scene && passes > job.passes_done).then_some(passes)
+}
+
+/// `name.16-passes.exr` beside `name.exr`.
+fn beside(path: &Path, passes: u32) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!(".{}", passes_of(passes).replace(' ', "-")));
+    if let Some(extension) = path.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    path.with_file_name(name)
 }
 
 fn layer_names() -> PossibleValuesParser {

@@ -23,7 +23,8 @@ pub(super) struct Progress {
 
 impl Progress {
     pub(super) fn new() -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
+        let is_shown = std::io::stderr().is_terminal() && !terminal::is_quiet();
+        let bar = is_shown.then(|| {
             let style = ProgressStyle::with_template("[{bar:30}] {wide_msg}").map(|style| style.progress_chars("=> "));
             ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });

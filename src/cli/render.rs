@@ -76,7 +76,7 @@ impl Render {
             let error = CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()));
             return Err(error.about(&self.job.scene));
         }
-        let written = self.output.write(client, &status.id).await?;
+        let written = self.output.write(client, &status).await?;
         terminal::note(&rates(&status, threads));
         if self.time_shares && !interrupted {
             terminal::note(&self.time_shares_of(&status, threads)?);

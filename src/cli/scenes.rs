@@ -25,6 +25,7 @@ impl Scenes {
         if self.json {
             return terminal::json(&scenes);
         }
+        terminal::heads(&["HASH", "BYTES", "WIDTH", "HEIGHT", "INTEGRATOR"])?;
         for scene in scenes {
             let integrator = scene.integrator.as_deref().unwrap_or("-");
             let SceneSummary { hash, bytes, width, height, .. } = &scene;

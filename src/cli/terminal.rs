@@ -1,6 +1,6 @@
 //! Lines to standard output and standard error that do not panic when nobody listens any more.
 
-use std::io::{ErrorKind, Write};
+use std::io::{ErrorKind, IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use time::format_description::well_known::Rfc3339;
@@ -19,6 +19,24 @@ pub(super) fn result(text: &str) -> Result<(), CliError> {
     }
 }
 
+/// Prints the heads of columns where people read standard output; programs are spared them.
+pub(super) fn heads(columns: &[&str]) -> Result<(), CliError> {
+    if std::io::stdout().is_terminal() { result(&columns.join("\t")) } else { Ok(()) }
+}
+
+/// Whether nothing but errors is told.
+static IS_QUIET: AtomicBool = AtomicBool::new(false);
+
+/// From now on only errors are told.
+pub(super) fn be_quiet() {
+    IS_QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether only errors are told.
+pub(super) fn is_quiet() -> bool {
+    IS_QUIET.load(Ordering::Relaxed)
+}
+
 /// Whether programs read standard error.
 static IS_LOGGED: AtomicBool = AtomicBool::new(false);
 
@@ -27,8 +45,15 @@ pub(super) fn log_notes() {
     IS_LOGGED.store(true, Ordering::Relaxed);
 }
 
-/// Tells the user something on standard error.
+/// Tells the user something on standard error, unless they want to hear of errors only.
 pub(super) fn note(text: &str) {
+    if !is_quiet() {
+        error(text);
+    }
+}
+
+/// Tells the user of an error on standard error.
+pub(super) fn error(text: &str) {
     if IS_LOGGED.load(Ordering::Relaxed) {
         return tracing::info!(target: EVENTS, "{text}");
     }

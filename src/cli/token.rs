@@ -65,6 +65,7 @@ impl Token {
                 if json {
                     return terminal::json(&tokens);
                 }
+                terminal::heads(&["ID", "SCOPE", "USER", "CREATED", "EXPIRES", "LABEL"])?;
                 tokens.iter().try_for_each(|token| terminal::result(&line(token)))
             }
             Task::New { scope, user, label, days, json, coordinator } => {

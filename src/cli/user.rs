@@ -69,6 +69,7 @@ impl User {
                 if json {
                     return terminal::json(&users);
                 }
+                terminal::heads(&["NAME", "ROLE"])?;
                 users.iter().try_for_each(|user| terminal::result(&format!("{}\t{}", user.name, user.role.name())))
             }
             Task::Add { name, role, json, coordinator } => {

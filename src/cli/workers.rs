@@ -25,6 +25,7 @@ impl Workers {
         if self.json {
             return terminal::json(&workers);
         }
+        terminal::heads(&["NUMBER", "STATE", "THREADS", "SHARDS", "HEARD", "NAME"])?;
         for worker in workers {
             let WorkerStatus { id, name, state, threads, shards_done, idle_seconds, .. } = &worker;
             terminal::result(&format!("{id}\t{}\t{threads}\t{shards_done}\t{idle_seconds:.1}\t{name}", state.name()))?;

@@ -20,6 +20,14 @@ fn printed(url: &str, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("UTF-8").trim_end().to_owned()
 }
 
+/// What it prints on a terminal, which `script` is.
+fn on_terminal(url: &str, arguments: &str) -> String {
+    let command = format!("{} {arguments}", env!("CARGO_BIN_EXE_photonfarm"));
+    let mut script = std::process::Command::new("script");
+    script.args(["-qec", &command, "/dev/null"]).env("PHOTONFARM_URL", url).stdin(std::process::Stdio::null());
+    String::from_utf8(script.output().expect("script starts").stdout).expect("UTF-8")
+}
+
 fn names(url: &str, arguments: &[&str]) -> Vec<String> {
     let jobs: Vec<Value> = serde_json::from_str(&printed(url, &[arguments, &["--json"]].concat())).expect("JSON");
     jobs.iter().map(|job| job["name"].as_str().unwrap_or_default().to_owned()).collect()
@@ -65,6 +73,11 @@ async fn jobs_are_copied_changed_found_and_deleted() {
     assert_eq!(names(&url, &["jobs", "--state", "paused"]), ["second"]);
     assert_eq!(names(&url, &["jobs", "--name", "first", "--after", &first]), ["first"]);
     failure(&["jobs", "--state", "asleep"], 2);
+
+    // People are told what columns hold, programs are not.
+    assert!(on_terminal(&url, "jobs").starts_with("ID\tSTATE\tPASSES\tSECONDS\tMETHOD\tOWNER\tNAME\r\n"));
+    assert!(on_terminal(&url, "scenes").starts_with("HASH\tBYTES"));
+    assert!(on_terminal(&url, "workers").starts_with("NUMBER\tSTATE"));
 
     printed(&url, &["rm", &copy]);
     assert_eq!(names(&url, &["jobs"]), ["first", "first"]);

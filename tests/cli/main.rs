@@ -10,3 +10,5 @@ mod commands;
 mod evaluate;
 mod jobs;
 mod maps;
+mod pictures;
+mod shell;

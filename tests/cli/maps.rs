@@ -97,7 +97,8 @@ fn the_layer_error_is_as_large_as_errors_are() {
     assert!((told / real - 1.0).abs() < 0.2, "variance {told} is told, {real} it is");
     success(&map);
     // One pass tells nothing.
-    success(&["render", FURNACE, "--method", "path", "--passes", "1", "--layers", "error", "-o", text(&picture)]);
+    let job = ["render", FURNACE, "--method", "path", "--passes", "1", "--layers", "error", "--overwrite", "-o"];
+    success(&[job.as_slice(), &[text(&picture)]].concat());
     assert!(channels_of(&picture)["error.Y"].iter().all(|error| error.is_nan()));
     assert!(failure(&map, 3).contains("no pixel has a value"));
 }

@@ -4,6 +4,11 @@ use exr::meta::attribute::{AttributeValue, Text};
 
 use super::{PictureFileError, PictureMetadata};
 
+/// The attribute that counts a picture's passes.
+pub(super) const PASSES: &str = "photonfarm.passes";
+/// The attribute that holds its scene's hash.
+pub(super) const SCENE: &str = "photonfarm.scene";
+
 /// The attributes that say where a picture comes from. Counts that may not fit into EXR's 32-bit integers are text.
 pub(super) fn attributes(metadata: &PictureMetadata) -> Vec<(Text, AttributeValue)> {
     let parameters = serde_json::Value::Object(metadata.parameters.clone()).to_string();
@@ -11,9 +16,9 @@ pub(super) fn attributes(metadata: &PictureMetadata) -> Vec<(Text, AttributeValu
         ("photonfarm.job", metadata.job.clone()),
         ("photonfarm.method", metadata.method.clone()),
         ("photonfarm.parameters", parameters),
-        ("photonfarm.passes", metadata.passes.to_string()),
+        (PASSES, metadata.passes.to_string()),
         ("photonfarm.photons_emitted", metadata.photons_emitted.to_string()),
-        ("photonfarm.scene", metadata.scene.clone()),
+        (SCENE, metadata.scene.clone()),
         ("photonfarm.seed", metadata.seed.to_string()),
         ("photonfarm.version", env!("CARGO_PKG_VERSION").to_owned()),
     ];

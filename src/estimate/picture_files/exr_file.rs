@@ -3,13 +3,15 @@
 use std::io::Cursor;
 use std::path::Path;
 
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Layers, ReadChannels, ReadLayers,
     Vec2, WritableImage, read,
 };
 
-use super::exr_attributes::{attributes, sort_attributes};
-use super::{Channels, PictureFileError, PictureLayer, PictureMetadata};
+use super::exr_attributes::{PASSES, SCENE, attributes, sort_attributes};
+use super::{Channels, PictureFileError, PictureLayer, PictureMetadata, PictureOrigin};
 use crate::estimate::Picture;
 
 /// Encodes a picture with its origin and any further layers: one part, ZIP-compressed, deterministic.
@@ -83,6 +85,17 @@ pub fn read_exr(path: &Path) -> Result<Picture, PictureFileError> {
 /// Reads and decodes all channels of an EXR file.
 pub fn read_channels(path: &Path) -> Result<Channels, PictureFileError> {
     read_file(path, decode_channels)
+}
+
+/// Which scene an EXR file shows after how many passes, as its header tells; `None` where it does not, or there is no such file.
+pub fn read_origin(path: &Path) -> Option<PictureOrigin> {
+    let headers = MetaData::read_from_file(path, false).ok()?.headers;
+    let attributes = &headers.first()?.own_attributes.other;
+    let text = |name: &str| match attributes.get(&Text::from(name))? {
+        AttributeValue::Text(text) => Some(text.to_string()),
+        _ => None,
+    };
+    Some(PictureOrigin { scene: text(SCENE)?, passes: text(PASSES)?.parse().ok()? })
 }
 
 /// The standard error of each channel, as the layer `error` of an EXR file tells it; `None` when the file has none, or not everywhere.

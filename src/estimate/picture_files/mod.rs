@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 pub use atomic_write::{check_writable, write_file};
 pub use channels::{Channels, LUMINANCE, LayerValues};
 pub use exr_file::{
-    decode_channels, decode_exr, encode_channels, encode_exr, read_channels, read_exr, read_standard_error,
+    decode_channels, decode_exr, encode_channels, encode_exr, read_channels, read_exr, read_origin, read_standard_error,
 };
 pub use layers::{LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureLayer, UnknownLayer};
 pub(crate) use png_file::srgb_byte;
@@ -38,6 +38,15 @@ pub struct PictureMetadata {
     pub seed: u64,
     /// Hash of the scene.
     pub scene: String,
+}
+
+/// What a picture file shows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PictureOrigin {
+    /// Hash of the scene.
+    pub scene: String,
+    /// Passes merged.
+    pub passes: u32,
 }
 
 /// A picture file's format, chosen by the file name's extension.
