@@ -29,8 +29,5 @@ pub(crate) fn rendered(
 pub(crate) fn few_photons(name: &str) -> Map<String, Value> {
     let known = method::entry(name).expect("in the table").parameters;
     let takes = known.iter().any(|parameter| parameter.name == "photons_per_pass");
-    // Chains begin with what a quarter as many paths find, and few of those find light behind glass.
-    let mutations = known.iter().any(|parameter| parameter.name == "mutations");
-    let photons = takes.then(|| ("photons_per_pass".to_owned(), 8192.into()));
-    photons.into_iter().chain(mutations.then(|| ("mutations".to_owned(), 256.into()))).collect()
+    takes.then(|| ("photons_per_pass".to_owned(), 8192.into())).into_iter().collect()
 }
