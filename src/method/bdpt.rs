@@ -16,7 +16,7 @@
 
 use std::sync::Arc;
 
-use super::bidirectional_settings::{PassSettings, Paths};
+use super::bidirectional_settings::{PassSettings, Paths, blind_without_merging};
 use super::parameter_values::{
     All, Depth, Emission, LightPicks, Passes, PathLength, RouletteDepth, Subpaths, one_per_pixel,
 };
@@ -85,10 +85,7 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn blind_to(&self, traits: SceneTraits) -> Option<&'static str> {
-        (traits.point_lights && traits.specular).then_some(
-            "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
-             glass; sppm and vcm do",
-        )
+        blind_without_merging(traits)
     }
 
     fn strategies(&self, longest: u32) -> Option<Vec<Strategy>> {

@@ -16,8 +16,8 @@ use super::photon_pass::{PhotonPasses, add_to_tally};
 use super::pilot::CameraPaths;
 use super::{Pass, PilotPass, PreparedMethod};
 use crate::estimate::{PixelTally, Region, ShardSums};
+use crate::math::Rgb;
 use crate::math::random::{PassRandom, PathRandom, Stream};
-use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::bidirectional::{
@@ -163,19 +163,14 @@ impl BidirectionalPasses {
     ) {
         let Some(seen) = to_camera(walk, &self.settings.selection, vertex, random, counters) else { return };
         let region = pixels_of(pass.region, self.scene.width);
-        let film = &self.scene.film;
-        // Without a border nothing that lies beyond an edge counts within.
-        let repeats = if film.samples_border { self.scene.camera.repeats() } else { &[0.0] };
-        for repeat in repeats {
-            film.for_each_pixel(seen.film + Vec2::new(*repeat, 0.0), |pixel, filter| {
-                if region.contains(&pixel) {
-                    let pixel = pixel - region.start;
-                    let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
-                    let radiance = seen.radiance * (filter / self.weighting.light_paths);
-                    splats.push((pixel, self.settings.selection.shown(radiance, weight)));
-                }
-            });
-        }
+        seen.for_each_pixel(&self.scene, |pixel, filter| {
+            if region.contains(&pixel) {
+                let pixel = pixel - region.start;
+                let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
+                let radiance = seen.radiance * (filter / self.weighting.light_paths);
+                splats.push((pixel, self.settings.selection.shown(radiance, weight)));
+            }
+        });
     }
 
     /// Traces all light subpaths; what the camera sees of them is added to `pixels`.
@@ -321,11 +316,6 @@ impl PreparedMethod for BidirectionalPasses {
             true => self.pilot.pilot(&CameraPaths::new(&self.pilot), cancel)?.guide,
             false => None,
         };
-        // There is no radius to find; a pass tells what passes cost.
-        let region = Region { row_start: 0, row_end: self.scene.height };
-        let pass =
-            Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0, guide: None };
-        let mut nobody_looks = ShardSums::zero(self.scene.pixel_count());
-        Some(PilotPass::without_fields(self.trace_pass(&pass, &mut nobody_looks, cancel)?).and_guide(guide))
+        Some(PilotPass::of_a_pass(self, &self.scene, cancel)?.and_guide(guide))
     }
 }

@@ -7,7 +7,7 @@ use super::parameter_values::{
     All, Auto, Depth, Emission, LightPicks, PathLength, RouletteDepth, Subpaths, Switch, limits,
 };
 use super::visibility_pilot::LightSampling;
-use super::{Contradiction, PreparedMethod, Strategy};
+use super::{Contradiction, PreparedMethod, SceneTraits, Strategy};
 use crate::scene::Scene;
 use crate::transport::Limits;
 use crate::transport::bidirectional::{Heuristic, Measure, Selection, Show, Techniques, Weighting};
@@ -171,4 +171,12 @@ impl PassSettings {
 /// The techniques of `bdpm` and `pbdpm`: merging, and what `light_hits` and `camera_hits` add to it.
 pub fn photon_techniques(light_hits: Switch, camera_hits: Switch) -> Techniques {
     Techniques::MERGE.with(Techniques::HIT, light_hits.is_on()).with(Techniques::CAMERA, camera_hits.is_on())
+}
+
+/// Light that no connection finds.
+pub fn blind_without_merging(traits: SceneTraits) -> Option<&'static str> {
+    (traits.point_lights && traits.specular).then_some(
+        "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
+         glass; sppm and vcm do",
+    )
 }

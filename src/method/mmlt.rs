@@ -19,7 +19,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::bidirectional_settings::{PassSettings, Paths};
+use super::bidirectional_settings::{PassSettings, Paths, blind_without_merging};
 use super::bounded_numbers::bounded;
 use super::parameter_values::{All, Depth, LightPicks, Passes, RouletteDepth, one_per_pixel};
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
@@ -27,7 +27,7 @@ use super::photon_pass::add_to_tally;
 use super::shared_parameters::{LIGHT_PICKS, MAX_DEPTH, PASSES};
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Gathering, MethodEntry, ParameterizedMethod, Pass, PilotPass, PreparedMethod, SceneTraits};
-use crate::estimate::{Region, ShardSums};
+use crate::estimate::ShardSums;
 use crate::math::random::{PassRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
@@ -81,6 +81,7 @@ parameters! {
 
 /// Paths up to this length are not left to chains.
 const SAMPLED: u32 = 2;
+
 impl Parameters {
     /// How emission that is seen and direct light are found.
     fn direct(&self) -> PassSettings {
@@ -107,10 +108,7 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn blind_to(&self, traits: SceneTraits) -> Option<&'static str> {
-        (traits.point_lights && traits.specular).then_some(
-            "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
-             glass; sppm and vcm do",
-        )
+        blind_without_merging(traits)
     }
 
     fn proposals(&self) -> &'static [&'static str] {
@@ -183,10 +181,6 @@ impl PreparedMethod for Mmlt {
     }
 
     fn pilot(&self, cancel: &AtomicBool) -> Option<PilotPass> {
-        let region = Region { row_start: 0, row_end: self.scene.height };
-        let pass =
-            Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0, guide: None };
-        let mut nobody_looks = ShardSums::zero(self.scene.pixel_count());
-        Some(PilotPass::without_fields(self.trace_pass(&pass, &mut nobody_looks, cancel)?))
+        PilotPass::of_a_pass(self, &self.scene, cancel)
     }
 }

@@ -200,7 +200,16 @@ impl PilotPass {
         self
     }
 
-    /// A method without radii has only costs to find.
+    /// A method without radii has only costs to find: those of a pass that nobody looks at. `None` when cancelled.
+    pub fn of_a_pass(method: &impl PreparedMethod, scene: &Scene, cancel: &AtomicBool) -> Option<Self> {
+        let region = Region { row_start: 0, row_end: scene.height };
+        let pass =
+            Pass { index: u32::MAX, region, radius_squared: &[], scale: 1.0, typical_radius_squared: 1.0, guide: None };
+        let mut nobody_looks = ShardSums::zero(scene.pixel_count());
+        Some(Self::without_fields(method.trace_pass(&pass, &mut nobody_looks, cancel)?))
+    }
+
+    /// Costs, and no radii.
     pub fn without_fields(counters: Counters) -> Self {
         Self { fields: Vec::new(), counters }
     }

@@ -125,6 +125,16 @@ pub struct SeenVertex {
 }
 
 impl SeenVertex {
+    /// Shows `add` the pixels that it counts in, by index in the picture and filter weight.
+    #[inline]
+    pub fn for_each_pixel(&self, scene: &Scene, mut add: impl FnMut(u32, f32)) {
+        // Without a border nothing that lies beyond an edge counts within.
+        let repeats = if scene.film.samples_border { scene.camera.repeats() } else { &[0.0] };
+        for repeat in repeats {
+            scene.film.for_each_pixel(self.film + Vec2::new(*repeat, 0.0), &mut add);
+        }
+    }
+
     /// The weight for a pixel with ηᵝ = `acceptance`.
     #[inline]
     pub fn weight(&self, weighting: &Weighting, acceptance: f32) -> f32 {

@@ -1,6 +1,6 @@
 //! Changes of recorded numbers [Kelemen et al. 2002]: all of them anew, or each by a little.
 
-use crate::math::random::{Numbers, PathRandom};
+use crate::math::random::PathRandom;
 
 /// The largest step of a small change; the smallest is 2⁻⁶ as large.
 const LARGEST_STEP: f32 = 1.0 / 64.0;
@@ -25,7 +25,7 @@ impl Source {
     #[inline]
     pub fn number(&mut self) -> f32 {
         if self.used == 4 {
-            self.rest = Numbers::block(&self.random, self.block);
+            self.rest = self.random.block(self.block);
             self.block = self.block.wrapping_add(1);
             self.used = 0;
         }

@@ -4,8 +4,8 @@
 //! Its numbers are those of the light subpath, those of the camera subpath, and one that picks the way. What it brings to the picture is weighted by
 //! multiple importance sampling, times the number of ways; the mean over all numbers is the radiance of all paths of the length.
 
+use crate::math::Rgb;
 use crate::math::random::{PassRandom, RecordedNumbers, Stream};
-use crate::math::{Rgb, Vec2};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{
     CameraWalk, LightWalk, Selection, Show, Vertex, Weighting, connect, direct_light, to_camera,
@@ -125,14 +125,10 @@ impl PathSampler<'_> {
         let selection = selection(segments, way);
         let light = RecordedNumbers::new(&numbers.light);
         let Some(seen) = to_camera(&walk, &selection, end, &light, counters) else { return };
-        let film = &self.scene.film;
-        let repeats = if film.samples_border { self.scene.camera.repeats() } else { &[0.0] };
-        for repeat in repeats {
-            film.for_each_pixel(seen.film + Vec2::new(*repeat, 0.0), |pixel, filter| {
-                let radiance = seen.radiance * (filter * seen.weight(&self.weighting, 0.0));
-                splats.push(Splat { pixel, radiance });
-            });
-        }
+        seen.for_each_pixel(self.scene, |pixel, filter| {
+            let radiance = seen.radiance * (filter * seen.weight(&self.weighting, 0.0));
+            splats.push(Splat { pixel, radiance });
+        });
     }
 
     fn end_at_camera_subpath(
