@@ -1,0 +1,43 @@
+"""EXR pictures as numpy arrays."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+from numpy.typing import NDArray
+
+# In this order channels stand beside each other in an array; a layer of one channel has no such axis.
+CHANNEL_ORDER = "RGBXYZ"
+
+Channels = dict[str, NDArray[np.float32]]
+
+
+def read_channels(exr: bytes) -> Channels:
+    """All channels of an EXR file by name, each (height, width)."""
+    # OpenEXR reads files only.
+    with tempfile.TemporaryDirectory(prefix="photonfarm-") as folder:
+        path = Path(folder, "picture.exr")
+        path.write_bytes(exr)
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            return {name: np.array(channel.pixels, dtype=np.float32) for name, channel in file.channels().items()}
+
+
+def picture(channels: Channels) -> NDArray[np.float32]:
+    """The picture itself: (height, width, 3), linear."""
+    return np.stack([channels[name] for name in "RGB"], axis=-1)
+
+
+def layer(channels: Channels, name: str) -> NDArray[np.float32]:
+    """One layer: (height, width), or (height, width, 3) for one of three channels."""
+    ends = sorted((channel.split(".", 1)[1] for channel in channels if channel.startswith(name + ".")), key=CHANNEL_ORDER.index)
+    planes = [channels[f"{name}.{end}"] for end in ends]
+    return planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)
+
+
+def layers(channels: Channels, names: Iterable[str]) -> Channels:
+    """Several layers by name."""
+    return {name: layer(channels, name) for name in names}
