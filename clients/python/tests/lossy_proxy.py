@@ -10,23 +10,27 @@ from types import TracebackType
 from urllib.parse import urlsplit
 
 PATIENCE = 30.0
-ENOUGH = 1 << 40
 
 
 class LossyProxy:
-    """Passes bytes on. Of the first answers it passes only as many bytes as `budgets` says, one number for each, and then closes the connection."""
+    """Passes bytes on, but loses answers and breaks connections when it is told to."""
 
-    def __init__(self, coordinator: str, budgets: list[int]) -> None:
+    def __init__(self, coordinator: str) -> None:
         parts = urlsplit(coordinator)
         self._target = (parts.hostname or "", parts.port or 0)
-        self._budgets = budgets
-        self.broken = 0
         self._listener = socket.create_server(("127.0.0.1", 0))
-        self._lock = threading.Lock()
+        self._clients: list[socket.socket] = []
+        self.answers_to_lose = 0
+        self.connections = 0
 
     @property
     def address(self) -> str:
         return f"http://127.0.0.1:{self._listener.getsockname()[1]}"
+
+    def break_all(self) -> None:
+        """Breaks all connections that there are."""
+        while self._clients:
+            shut(self._clients.pop())
 
     def __enter__(self) -> LossyProxy:
         in_background(self._accept)
@@ -34,6 +38,7 @@ class LossyProxy:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self._listener.close()
+        self.break_all()
 
     def _accept(self) -> None:
         while True:
@@ -41,27 +46,33 @@ class LossyProxy:
                 client, _ = self._listener.accept()
             except OSError:
                 return
+            self.connections += 1
+            self._clients.append(client)
             in_background(functools.partial(self._serve, client))
 
     def _serve(self, client: socket.socket) -> None:
         with client, socket.create_connection(self._target, PATIENCE) as server:
             client.settimeout(PATIENCE)
-            in_background(lambda: copy(client, server, ENOUGH))
-            with self._lock:
-                budget = self._budgets.pop(0) if self._budgets else ENOUGH
-            copy(server, client, budget)
-            self.broken += budget < ENOUGH
+            in_background(functools.partial(self._copy, client, server, is_answer=False))
+            self._copy(server, client, is_answer=True)
+
+    def _copy(self, source: socket.socket, sink: socket.socket, *, is_answer: bool) -> None:
+        """Passes bytes on until the end, or an answer that is to be lost."""
+        try:
+            while data := source.recv(1 << 16):
+                if is_answer and self.answers_to_lose > 0:
+                    self.answers_to_lose -= 1
+                    break
+                sink.sendall(data)
+        except OSError:
+            pass
+        shut(source)
+        shut(sink)
 
 
-def copy(source: socket.socket, sink: socket.socket, budget: int) -> None:
-    """Passes bytes on until the end, an error, or more than so many."""
+def shut(connection: socket.socket) -> None:
     try:
-        while data := source.recv(1 << 16):
-            sink.sendall(data[:budget])
-            budget -= len(data)
-            if budget <= 0:
-                break
-        sink.shutdown(socket.SHUT_RDWR)
+        connection.shutdown(socket.SHUT_RDWR)
     except OSError:
         return
 
