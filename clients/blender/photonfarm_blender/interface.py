@@ -16,7 +16,7 @@ class Preferences(bpy.types.AddonPreferences):
 
     url: StringProperty(name="Address", description="Of the coordinator; PHOTONFARM_URL where it is empty")
     token_file: StringProperty(name="Token file", subtype="FILE_PATH", description="PHOTONFARM_TOKEN_FILE or PHOTONFARM_TOKEN where it is empty")
-    fingerprint: StringProperty(name="Fingerprint", description="sha256:… of the coordinator's certificate; PHOTONFARM_FINGERPRINT where it is empty")
+    fingerprint: StringProperty(name="Fingerprint", description="sha256:… of its certificate; PHOTONFARM_FINGERPRINT where it is empty")
 
     def draw(self, context):
         for name in ("url", "token_file", "fingerprint"):

@@ -12,7 +12,8 @@ class FarmError(Exception):
     """Why something could not be done: what the coordinator answers as problem+json, or what this package found itself.
 
     `type` is `urn:photonfarm:problem:…` for what the coordinator says (docs/REST.md lists these) and `urn:photonfarm:client:…` for what is found
-    here: `unreachable`, `not-a-coordinator`, `bad-file`, `bad-address`, `job-failed`, `job-cancelled`, `too-late`, `program-failed`.
+    here: `unreachable`, `not-a-coordinator`, `bad-file`, `bad-address`, `bad-wait`,
+    `job-failed`, `job-cancelled`, `too-late`, `program-failed`.
     """
 
     def __init__(self, problem: Problem) -> None:

@@ -41,8 +41,7 @@ class Job:
 
     def status(self, wait: int | None = None) -> JobView:
         """How it is doing; with `wait`, when it has ended, but after so many seconds at most, up to 60."""
-        headers = {} if wait is None else {"Prefer": f"wait={wait}"}
-        request = Request("GET", self._path(), headers=headers, is_repeatable=True, patience=ANSWER_PATIENCE + (wait or 0))
+        request = Request("GET", self._path(), headers=preference(wait), is_repeatable=True, patience=ANSWER_PATIENCE + (wait or 0))
         return self._told(request)
 
     def wait(self, progress: Progress | bool = False, timeout: float | None = None) -> JobView:
@@ -170,9 +169,18 @@ class Job:
 def submitted(connection: Connection, path: str, body: object, key: str | None, wait: int | None = None) -> Job:
     """The job that a request makes, or made when it was sent with the same key before."""
     # With a key, a request whose answer was lost can be sent again and makes no second job.
-    headers = {"Idempotency-Key": key or str(uuid.uuid4())} | ({} if wait is None else {"Prefer": f"wait={wait}"})
+    headers = {"Idempotency-Key": key or str(uuid.uuid4())} | preference(wait)
     request = Request("POST", path, headers=headers, is_repeatable=True, patience=ANSWER_PATIENCE + (wait or 0))
     return Job(connection, connection.ask(JobView, request.with_json(body)))
+
+
+def preference(wait: int | None) -> dict[str, str]:
+    """The header that asks for an answer at the job's end."""
+    if wait is None:
+        return {}
+    if not 0 <= wait <= LONGEST_WAIT:
+        raise found_here("bad-wait", f"a coordinator does not wait for {wait} seconds", f"give 0 to {LONGEST_WAIT}, or use wait() of the job")
+    return {"Prefer": f"wait={wait}"}
 
 
 def plain(value: object) -> object:

@@ -37,7 +37,8 @@ def test_a_picture_holds_what_the_exr_file_holds(box: Job, tmp_path: Path) -> No
 
 
 def test_rows_go_down_and_columns_to_the_right(farm: Farm, box: Job) -> None:
-    cropped = farm.submit(BOX, stop={"passes": 1}, wait=60, **SMALL | {"scene_changes": {"width": 32, "crop": {"x": 0, "y": 0, "width": 32, "height": 8}}})
+    changes = {"width": 32, "crop": {"x": 0, "y": 0, "width": 32, "height": 8}}
+    cropped = farm.submit(BOX, stop={"passes": 1}, wait=60, **SMALL | {"scene_changes": changes})
     depth = cropped.layers(["depth"])["depth"]
     assert depth.shape == (8, 32)
     assert np.array_equal(depth, box.layers(["depth"])["depth"][:8])

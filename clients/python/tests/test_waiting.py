@@ -44,6 +44,13 @@ def test_waiting_ends_in_time(farm: Farm) -> None:
     job.delete()
 
 
+def test_a_wait_that_no_coordinator_keeps_is_refused(farm: Farm) -> None:
+    with pytest.raises(FarmError, match="give 0 to 60"):
+        farm.submit(BOX, wait=61)
+    with pytest.raises(FarmError, match="give 0 to 60"):
+        farm.submit(BOX, stop={"passes": 1}, **SMALL).status(wait=-1)
+
+
 def test_events_come_until_the_end(farm: Farm) -> None:
     views = list(farm.submit(BOX, stop={"seconds": 1}, **SMALL).events())
     assert len(views) > 2
