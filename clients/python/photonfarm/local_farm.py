@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import subprocess
 import threading
@@ -64,13 +65,15 @@ class LocalFarm:
         self.stop()
 
     def start(self) -> Farm:
-        """Starts it and waits until it listens."""
+        """Starts it and waits until it listens. Without a block, it is stopped by `stop()` or when Python ends."""
+        if self._started is not None:
+            raise found_here("program-failed", "this farm runs already", "stop it first, or make another LocalFarm")
         self._started = Started(self._command)
-        address = self._started.address()
+        atexit.register(self.stop)
+        address, said = self._started.address(), self._started.said()
         if address is None:
             self.stop()
-            remedy = "run it by hand to see more"
-            raise found_here("program-failed", f"\"{self._command[0]}\" does not listen: {self._started.said()}", remedy)
+            raise found_here("program-failed", f"\"{self._command[0]}\" does not listen: {said}", "run it by hand to see more")
         # Authorities and tokens of the environment are for another farm.
         return Farm(address, self._token)
 
@@ -78,6 +81,8 @@ class LocalFarm:
         """Lets it end what is being traced, and waits for its end."""
         if self._started is not None:
             self._started.stop()
+            self._started = None
+            atexit.unregister(self.stop)
 
 
 class Started:

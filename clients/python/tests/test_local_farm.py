@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -37,6 +39,24 @@ def test_it_is_stopped_after_an_exception(program: Path) -> None:
         raise ZeroDivisionError
     with pytest.raises(FarmError, match="no coordinator answers"):
         Farm(addresses[0], token="").workers()
+
+
+def test_it_ends_with_python(program: Path) -> None:
+    code = f"from photonfarm import LocalFarm; print(LocalFarm(0, program={str(program)!r}).start().connection.address)"
+    address = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
+    with pytest.raises(FarmError, match="no coordinator answers"):
+        Farm(address, token="").workers()
+
+
+def test_one_farm_is_not_started_twice(program: Path) -> None:
+    local = LocalFarm(workers=0, program=program)
+    with local as farm:
+        with pytest.raises(FarmError, match="runs already"):
+            local.start()
+        assert farm.workers() == []
+    assert local.start().workers() == []
+    local.stop()
+    local.stop()
 
 
 def test_the_environment_names_other_farms(program: Path, monkeypatch: pytest.MonkeyPatch) -> None:
