@@ -18,6 +18,8 @@ import time
 import xml.etree.ElementTree as ElementTree
 from concurrent.futures import ThreadPoolExecutor
 
+# What is imported from deploy/ leaves nothing there.
+sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).parents[1]
 PACKAGES = ["opencue-pyoutline>=1.37", "opencue-rqd>=1.37", "packaging"]
 NOBODY = 65534
