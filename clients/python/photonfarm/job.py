@@ -148,8 +148,11 @@ class Job:
             case _:
                 remedy = "name it .exr, which may have layers, or .png, which may have an exposure"
                 raise found_here("bad-file", f"\"{place}\" cannot be written so", remedy)
+        # A program that is killed while it writes leaves no half picture under the name that others read.
+        part = place.with_name(f".{place.name}.part")
         try:
-            place.write_bytes(content)
+            part.write_bytes(content)
+            part.replace(place)
         except OSError as problem:
             raise found_here("bad-file", f"cannot write \"{place}\": {problem.strerror}", "check the folder and the permissions") from problem
         return place

@@ -66,6 +66,7 @@ def test_files_to_look_at(box: Job, tmp_path: Path) -> None:
     assert box.save(tmp_path / "bright.png", exposure=2).read_bytes() != plain
     with OpenEXR.File(str(box.save(tmp_path / "deep.exr", layers=["depth"])), separate_channels=True) as file:
         assert "depth.Z" in file.channels()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["box.png", "bright.png", "deep.exr"]
 
 
 def test_what_a_file_cannot_hold_is_an_error(box: Job, tmp_path: Path) -> None:

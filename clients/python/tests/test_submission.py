@@ -36,6 +36,14 @@ def test_a_file_takes_along_what_its_files_name() -> None:
     assert names(pack(REPOSITORY / "tests/cases/old-obj-mtl/scene.xml")) == ["m.mtl", "m.obj", "scene.xml"]
 
 
+def test_every_scene_of_this_repository_is_taken(farm: Farm) -> None:
+    suffixes = {".xml", ".json", ".gltf", ".glb", ".mgf", ".pbrt"}
+    found = [file for folder in ("scenes", "tests/cases") for file in (REPOSITORY / folder).glob("*/scene.*") if file.suffix in suffixes]
+    assert len(found) > 30
+    for file in found:
+        assert farm.upload(file).width > 0
+
+
 def test_names_with_spaces_and_escapes_are_found(tmp_path: Path) -> None:
     (tmp_path / "a folder").mkdir()
     for name in ["a folder/one.bin", "two%.bin", "drei ß.bin"]:
