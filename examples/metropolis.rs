@@ -12,6 +12,7 @@ use photonfarm::evaluation::{Machine, ProcessStopwatch, Run, Stopwatch, compare}
 use photonfarm::import::load_file;
 use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
+use photonfarm::transport::counters::Step;
 use serde_json::{Map, Value};
 
 /// Pixels on each side.
@@ -35,22 +36,31 @@ const ROWS: [Row; 5] = [
     Row { scene: "invisible-date", reference: "bdpt", paper: None },
 ];
 
-/// A method with one parameter that is not at its default.
+/// A method with one parameter that is not at its default, or with the hints beside the scene.
 struct Contender {
     method: &'static str,
     parameter: Option<(&'static str, &'static str)>,
+    is_hinted: bool,
 }
 
 const fn plain(method: &'static str) -> Contender {
-    Contender { method, parameter: None }
+    Contender { method, parameter: None, is_hinted: false }
 }
 
 const fn emitting(method: &'static str, emission: &'static str) -> Contender {
-    Contender { method, parameter: Some(("emission", emission)) }
+    Contender { method, parameter: Some(("emission", emission)), is_hinted: false }
 }
 
-const CONTENDERS: [Contender; 8] = [
+const fn hinted(method: &'static str) -> Contender {
+    Contender { method, parameter: None, is_hinted: true }
+}
+
+const CONTENDERS: [Contender; 12] = [
+    plain("mps"),
+    hinted("mps"),
     emitting("photon_map", "power"),
+    plain("mlt"),
+    hinted("mlt"),
     emitting("sppm", "power"),
     emitting("sppm", "guided"),
     emitting("sppm", "metropolis"),
@@ -77,38 +87,62 @@ fn main() -> Result<(), Box<dyn Error>> {
         if let Some([sampled, mapped]) = row.paper {
             println!("In the paper: Metropolis photon sampling {sampled}, photon mapping {mapped}.\n");
         }
-        let reference = traced(&scene, &plain(row.reference), 7, REFERENCE * seconds)?.picture();
+        let reference = traced(&scene, &plain(row.reference), None, 7, REFERENCE * seconds)?.picture();
         println!(
-            "| method | passes | relative RMS error | relMSE | mean | worst 8 × 8 block | accepted: small steps, large |"
+            "| method | passes | relative RMS error | relMSE | mean | worst 8 × 8 block | photons stored in a pass | accepted |"
         );
-        println!("|---|---:|---:|---:|---:|---:|---:|");
-        for contender in &CONTENDERS {
-            let run = traced(&scene, contender, 1, seconds)?;
+        println!("|---|---:|---:|---:|---:|---:|---:|---|");
+        let hints = hints(row)?;
+        let contenders: Vec<&Contender> =
+            CONTENDERS.iter().filter(|contender| !contender.is_hinted || hints.is_some()).collect();
+        for contender in &contenders {
+            let hints = hints.as_ref().filter(|_| contender.is_hinted);
+            let run = traced(&scene, contender, hints, 1, seconds)?;
             let found = compare(&run.picture(), &reference, None)?;
             println!(
-                "| {} | {} | {:.4} | {:.5} | {:+.2} % | {:.1} % | {} |",
+                "| {} | {} | {:.4} | {:.5} | {:+.2} % | {:.1} % | {:.0} | {} |",
                 label(contender),
                 run.passes(),
                 found.relmse.sqrt(),
                 found.relmse,
                 100.0 * found.bias,
                 100.0 * found.block_bias_max,
+                run.count("photons_stored") / f64::from(run.passes().max(1)),
                 acceptance(&run)
             );
             save(row, contender, &run.picture())?;
         }
         println!();
-        for contender in &CONTENDERS[1..6] {
+        for contender in contenders.iter().filter(|contender| PICTURES.contains(&contender.method)) {
             println!("![{}](metropolis/{})", label(contender), file(row, contender));
         }
     }
     Ok(())
 }
 
+/// Methods whose pictures are shown.
+const PICTURES: [&str; 4] = ["mps", "mlt", "photon_map", "sppm"];
+
+/// Paths that lead to where light comes from, if the scene has a file of them.
+fn hints(row: &Row) -> Result<Option<Value>, Box<dyn Error>> {
+    let file = Path::new("scenes").join(row.scene).join("user-paths.json");
+    if !file.exists() {
+        return Ok(None);
+    }
+    Ok(Some(serde_json::from_str(&std::fs::read_to_string(file)?)?))
+}
+
 /// A run that lasted for so many processor-seconds, its pilot included.
-fn traced(scene: &Arc<Scene>, contender: &Contender, seed: u64, seconds: f64) -> Result<Run, Box<dyn Error>> {
-    let parameters: Map<String, Value> =
-        contender.parameter.iter().map(|(name, value)| ((*name).to_owned(), Value::from(*value))).collect();
+fn traced(
+    scene: &Arc<Scene>,
+    contender: &Contender,
+    hints: Option<&Value>,
+    seed: u64,
+    seconds: f64,
+) -> Result<Run, Box<dyn Error>> {
+    let own = contender.parameter.iter().map(|(name, value)| ((*name).to_owned(), Value::from(*value)));
+    let hints = hints.iter().map(|hints| ("user_paths".to_owned(), (*hints).clone()));
+    let parameters: Map<String, Value> = own.chain(hints).collect();
     let choice = MethodChoice { name: contender.method.to_owned(), parameters };
     let checked = method::check(&choice, scene.pixel_count() as u64)?;
     let mut stopwatch = ProcessStopwatch::start()?;
@@ -119,22 +153,23 @@ fn traced(scene: &Arc<Scene>, contender: &Contender, seed: u64, seconds: f64) ->
     Ok(run)
 }
 
-fn label(Contender { method, parameter }: &Contender) -> String {
-    parameter.map_or(format!("`{method}`"), |(name, value)| format!("`{method}`, `{name}: {value}`"))
+fn label(Contender { method, parameter, is_hinted }: &Contender) -> String {
+    let of_parameter = parameter.map_or(String::new(), |(name, value)| format!(", `{name}: {value}`"));
+    format!("`{method}`{of_parameter}{}", if *is_hinted { ", user paths" } else { "" })
 }
 
 fn acceptance(run: &Run) -> String {
-    let share = |kind: &str| {
-        let [proposed, accepted] = ["proposed", "accepted"].map(|what| run.count(&format!("{kind}_{what}")));
-        (proposed > 0.0).then(|| format!("{:.0} %", 100.0 * accepted / proposed))
+    let share = |step: &Step| {
+        let [proposed, accepted] = ["proposed", "accepted"].map(|what| run.count(&format!("{}_{what}", step.name())));
+        (proposed > 0.0).then(|| format!("{} {:.0} %", step.name().replace('_', " "), 100.0 * accepted / proposed))
     };
-    let shares: Vec<String> = ["small_step", "large_step"].into_iter().filter_map(share).collect();
+    let shares: Vec<String> = Step::ALL.iter().filter_map(share).collect();
     shares.join(", ")
 }
 
-fn file(row: &Row, Contender { method, parameter }: &Contender) -> String {
+fn file(row: &Row, Contender { method, parameter, is_hinted }: &Contender) -> String {
     let value = parameter.map_or(String::new(), |(_, value)| format!("-{value}"));
-    format!("{}-{method}{value}.png", row.scene)
+    format!("{}-{method}{value}{}.png", row.scene, if *is_hinted { "-user-paths" } else { "" })
 }
 
 fn save(row: &Row, contender: &Contender, picture: &Picture) -> Result<(), Box<dyn Error>> {

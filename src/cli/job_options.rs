@@ -1,6 +1,6 @@
 //! What `render` and `submit` are told about a job.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -31,6 +31,10 @@ pub(super) struct JobOptions {
     /// Only paths of so many light and camera vertices; short for --set strategy=S,T.
     #[arg(long, value_name = "S,T")]
     strategy: Option<String>,
+    /// Hints where light comes from, for methods that take `user_paths`: a JSON file with a list of
+    /// {"points": [[x, y, z], …], "cones": [degrees]}, from a lamp to a surface that is no mirror.
+    #[arg(long, value_name = "FILE")]
+    user_paths: Option<PathBuf>,
     #[command(flatten)]
     stop: StopOptions,
     /// Passes of a full-grown shard, 1 to 1024; by default as many as cost one core about a second. Other cuts have other bits.
@@ -74,12 +78,13 @@ impl JobOptions {
     fn submission(&self) -> Result<JobSubmission, CliError> {
         let length = self.length.map(|length| ("length".to_owned(), length.into()));
         let strategy = self.strategy.clone().map(|strategy| ("strategy".to_owned(), strategy.into()));
+        let user_paths = self.user_paths.as_deref().map(user_paths).transpose()?;
         Ok(JobSubmission {
             scene: None,
             scene_inline: None,
             scene_changes: None,
             method: self.method.clone(),
-            parameters: parameters(self.settings.iter().cloned().chain(length).chain(strategy))?,
+            parameters: parameters(self.settings.iter().cloned().chain(length).chain(strategy).chain(user_paths))?,
             stop: self.stop.rule(),
             cut: Cut { passes_per_shard: self.passes_per_shard, shards_per_epoch: self.shards_per_epoch },
             seed: self.seed,
@@ -105,6 +110,14 @@ pub(super) fn parameters(
         parameters.insert(name, value);
     }
     Ok(parameters)
+}
+
+/// The parameter that a file of paths stands for.
+fn user_paths(file: &Path) -> Result<(String, serde_json::Value), CliError> {
+    let text = std::fs::read_to_string(file).map_err(|error| CliError::File(format!("{}: {error}", file.display())))?;
+    let paths = serde_json::from_str(&text)
+        .map_err(|error| CliError::BadInput(format!("{}: it is not JSON: {error}", file.display())))?;
+    Ok(("user_paths".to_owned(), paths))
 }
 
 /// A method parameter: a name and a JSON value, or else text.

@@ -158,8 +158,8 @@ impl Declaration {
 
     /// The same for a method of chains that makes proposals of these kinds: two scalars of each count them.
     #[must_use]
-    pub fn with_proposals(mut self, kinds: &[&str]) -> Self {
-        let counts = kinds.iter().flat_map(|kind| [format!("{kind}{PROPOSED}"), format!("{kind}{ACCEPTED}")]);
+    pub fn with_proposals<'a>(mut self, kinds: impl Iterator<Item = &'a str>) -> Self {
+        let counts = kinds.flat_map(|kind| [format!("{kind}{PROPOSED}"), format!("{kind}{ACCEPTED}")]);
         self.scalars.extend(counts.map(|name| ScalarDeclaration { name, rule: ScalarRule::Count }));
         self
     }

@@ -115,13 +115,10 @@ impl Tally {
         self.declaration.scalar(name).and_then(|index| self.scalars.get(index)).copied().unwrap_or(0.0)
     }
 
-    /// Sets the scalars that count proposals of chains, one count for each declared kind.
-    pub fn set_proposals(&mut self, counts: &[ProposalCount]) {
-        let declaration = self.declaration.clone();
-        for (kind, count) in declaration.proposals().zip(counts) {
-            self.set_scalar(&format!("{kind}{PROPOSED}"), count.proposed as f64);
-            self.set_scalar(&format!("{kind}{ACCEPTED}"), count.accepted as f64);
-        }
+    /// Sets the scalars that count proposals of a kind to chains. Nothing happens when the kind is not declared.
+    pub fn set_proposals(&mut self, kind: &str, count: ProposalCount) {
+        self.set_scalar(&format!("{kind}{PROPOSED}"), count.proposed as f64);
+        self.set_scalar(&format!("{kind}{ACCEPTED}"), count.accepted as f64);
     }
 
     /// Sets a scalar. Nothing happens when it is not declared.

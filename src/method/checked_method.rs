@@ -11,6 +11,7 @@ use super::visibility_pilot::LightSampling;
 use super::{Bias, MethodChoice, MethodEntry, MethodError, PreparedMethod, SceneTraits, Strategy, entry};
 use crate::estimate::{Declaration, RadiusRule};
 use crate::scene::Scene;
+use crate::transport::counters::Step;
 
 /// What a method makes of its parameters. Every method's struct of parameters implements it.
 pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
@@ -35,7 +36,7 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
 
     /// The kinds of proposals that its chains are made, if it has chains; counted in
     /// [`Counters::steps`](crate::transport::Counters).
-    fn proposals(&self) -> &'static [&'static str] {
+    fn proposals(&self) -> &'static [Step] {
         &[]
     }
 
@@ -64,7 +65,17 @@ pub trait ParameterizedMethod: WrittenOut + fmt::Debug + Send + Sync {
         None
     }
 
-    /// Prepares it for a scene.
+    /// Whether [`ParameterizedMethod::refuses`] has anything to look at.
+    fn names_places(&self) -> bool {
+        false
+    }
+
+    /// What of its parameters does not fit a scene, if something does not.
+    fn refuses(&self, _scene: &Scene) -> Option<Contradiction> {
+        None
+    }
+
+    /// Prepares it for a scene that it does not refuse.
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod>;
 }
 
@@ -120,6 +131,20 @@ pub struct CheckedMethod {
 }
 
 impl CheckedMethod {
+    /// Whether its parameters name places in a scene, so that only a prepared one can tell whether they fit.
+    pub fn names_places(&self) -> bool {
+        self.parameters.names_places()
+    }
+
+    /// An error where there is something to refuse.
+    pub(super) fn refuse(&self, found: Option<Contradiction>) -> Result<(), MethodError> {
+        let error = |Contradiction { problem, remedy }| {
+            let method = self.entry.name;
+            MethodError::Parameter { method, problem, remedy }
+        };
+        found.map(error).map_or(Ok(()), Err)
+    }
+
     /// Checks `choice` for a picture of so many pixels.
     pub(super) fn new(choice: &MethodChoice, pixels: u64) -> Result<Self, MethodError> {
         let entry = entry(&choice.name)?;

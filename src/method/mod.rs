@@ -6,10 +6,13 @@ pub mod bdpt;
 pub mod bidirectional_pass;
 pub mod bidirectional_settings;
 mod bounded_numbers;
+pub mod chain_pass;
 pub mod checked_method;
 pub mod gather_ends;
 pub mod light_tracing;
+pub mod mlt;
 pub mod mmlt;
+pub mod mps;
 pub mod parameter_values;
 pub mod parameters;
 pub mod path;
@@ -22,6 +25,7 @@ pub mod shared_parameters;
 pub mod sppm;
 pub mod vcm;
 pub mod visibility_pilot;
+mod whole_paths;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -96,6 +100,8 @@ pub const METHODS: &[MethodEntry] = &[
     pbdpm::ENTRY,
     vcm::ENTRY,
     mmlt::ENTRY,
+    mlt::ENTRY,
+    mps::ENTRY,
 ];
 
 /// A way of finding paths of a length.
@@ -300,12 +306,7 @@ fn remedy_for_unknown(name: &str) -> String {
 /// An unknown method, parameters that it cannot take, and such that leave no path to find.
 pub fn check(choice: &MethodChoice, pixels: u64) -> Result<CheckedMethod, MethodError> {
     let method = CheckedMethod::new(choice, pixels)?;
-    match method.parameters.contradiction() {
-        Some(Contradiction { problem, remedy }) => {
-            Err(MethodError::Parameter { method: method.entry.name, problem, remedy })
-        }
-        None => Ok(method),
-    }
+    method.refuse(method.parameters.contradiction()).map(|()| method)
 }
 
 /// The strategies of a choice: of the paths that it looks at, else of all from 2 to `longest` segments.
@@ -362,7 +363,8 @@ pub fn theory_rate(method: &CheckedMethod) -> f64 {
 
 /// What the tallies of a checked method hold.
 pub fn declaration(method: &CheckedMethod) -> Arc<Declaration> {
-    Arc::new(method.parameters.gathering().declaration().with_proposals(method.parameters.proposals()))
+    let proposals = method.parameters.proposals().iter().map(|step| step.name());
+    Arc::new(method.parameters.gathering().declaration().with_proposals(proposals))
 }
 
 /// Prepares a checked method for a scene.
@@ -371,7 +373,16 @@ pub fn declaration(method: &CheckedMethod) -> Arc<Declaration> {
 /// The scene has media that the method does not render.
 pub fn prepare(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Box<dyn PreparedMethod>, MethodError> {
     check_media(method, SceneTraits::of(&scene))?;
+    check_in_scene(method, &scene)?;
     Ok(method.parameters.prepare(scene, method.photons_per_pass, seed))
+}
+
+/// Whether a scene can take a method's parameters that name places in it.
+///
+/// # Errors
+/// It cannot, and why.
+pub fn check_in_scene(method: &CheckedMethod, scene: &Scene) -> Result<(), MethodError> {
+    method.refuse(method.parameters.refuses(scene))
 }
 
 /// Whether a method renders the media of a scene with such traits; all render those that only absorb.

@@ -260,8 +260,8 @@ impl ParameterValue for PhotonEmission {
 
 impl PhotonEmission {
     /// What chains are proposed, if there are any.
-    pub fn proposals(self) -> &'static [&'static str] {
-        if self == Self::Metropolis { &Step::NAMES } else { &[] }
+    pub fn proposals(self) -> &'static [Step] {
+        if self == Self::Metropolis { &[Step::Small, Step::Large] } else { &[] }
     }
 
     /// How paths begin, whether they are in chains or not.

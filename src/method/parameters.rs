@@ -22,7 +22,7 @@ pub struct ParameterHelp {
 }
 
 /// A type that parameters have. Reading it refuses whatever is out of its range.
-pub trait ParameterValue: Copy + Serialize + DeserializeOwned {
+pub trait ParameterValue: Clone + Serialize + DeserializeOwned {
     /// Values it may take, as help and errors show them.
     const RANGE: &'static str;
 }
@@ -40,13 +40,13 @@ pub struct Parameter<T> {
 
 impl<T: ParameterValue> Parameter<T> {
     /// The row of the help.
-    pub const fn help(self, name: &'static str) -> ParameterHelp {
+    pub const fn help(&self, name: &'static str) -> ParameterHelp {
         ParameterHelp { name, meaning: self.meaning, range: T::RANGE, default: self.shown }
     }
 }
 
 /// A parameter of one method; those of several stand in [`shared_parameters`](super::shared_parameters).
-pub const fn parameter<T: Copy>(meaning: &'static str, default: T, shown: &'static str) -> Parameter<T> {
+pub const fn parameter<T>(meaning: &'static str, default: T, shown: &'static str) -> Parameter<T> {
     Parameter { meaning, default, shown }
 }
 
@@ -67,15 +67,15 @@ macro_rules! parameters {
         impl Default for $set {
             fn default() -> Self {
                 Self { $($name: {
-                    const IT: $crate::method::parameters::Parameter<$type> = $parameter;
-                    IT.default
+                    const IT: &$crate::method::parameters::Parameter<$type> = &$parameter;
+                    IT.default.clone()
                 },)* }
             }
         }
 
         impl $crate::method::parameters::ParameterSet for $set {
             const HELP: &'static [$crate::method::ParameterHelp] = &[$({
-                const IT: $crate::method::parameters::Parameter<$type> = $parameter;
+                const IT: &$crate::method::parameters::Parameter<$type> = &$parameter;
                 IT.help(stringify!($name))
             },)*];
         }

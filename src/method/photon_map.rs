@@ -58,14 +58,20 @@ mod look_up;
 mod parameters;
 mod second_pass;
 mod storage;
+mod whole_paths;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use hierarchy::Hierarchy;
 use look_up::LookUp;
-use parameters::{DirectMode, Parameters};
+use parameters::DirectMode;
+pub(super) use parameters::{
+    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, FINAL_GATHER,
+    GatherRays, LARGEST_RADIUS, NEIGHBORS, Neighbors, Parameters,
+};
 use second_pass::{MapChoice, Step, TracedPass};
+pub(super) use whole_paths::PhotonPathSettings;
 
 use super::gather_ends::GatherEnds;
 use super::parameter_values::{Emission, limits};
@@ -80,6 +86,7 @@ use crate::math::random::{PassRandom, Stream};
 use crate::scene::Scene;
 use crate::scene::light::emission_guide::EmissionGuide;
 use crate::transport::caustic_splitting::CausticSplitting;
+use crate::transport::counters::Step as Proposal;
 use crate::transport::{Counters, Limits};
 
 /// What a look-up costs, in rays, for the pilot's count.
@@ -117,7 +124,7 @@ impl ParameterizedMethod for Parameters {
         self.emission.of_paths() != Emission::Power
     }
 
-    fn proposals(&self) -> &'static [&'static str] {
+    fn proposals(&self) -> &'static [Proposal] {
         self.emission.proposals()
     }
 
@@ -142,27 +149,41 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn prepare(&self, scene: Arc<Scene>, photons_per_pass: u32, seed: u64) -> Box<dyn PreparedMethod> {
+        Box::new(TwoPasses::new(self.clone(), scene, photons_per_pass, seed, None))
+    }
+}
+
+impl TwoPasses {
+    /// Prepares both passes for a scene.
+    pub(super) fn new(
+        parameters: Parameters,
+        scene: Arc<Scene>,
+        photons_per_pass: u32,
+        seed: u64,
+        whole_paths: Option<PhotonPathSettings>,
+    ) -> Self {
         let scene_radius = scene.geometry.bounding_sphere().1;
-        let photons = photons_per_pass / self.maps.get();
-        let splitting = CausticSplitting::new(self.caustic_splitting.get(), self.splitting, &scene);
+        let photons = photons_per_pass / parameters.maps.get();
+        let splitting = CausticSplitting::new(parameters.caustic_splitting.get(), parameters.splitting, &scene);
         let caustic_photons = photons.saturating_mul(splitting.factor());
-        Box::new(TwoPasses {
+        Self {
             seed,
-            limits: limits(self.max_depth, self.rr_depth),
+            limits: limits(parameters.max_depth, parameters.rr_depth),
             photons_per_pass,
-            global: self.look_up(self.neighbors.get(), scene_radius, photons),
-            caustic: self.caustic_look_up(scene_radius, caustic_photons),
-            direct: self.direct_look_up(scene_radius, photons),
-            choice: self.map_choice(scene.width),
+            global: parameters.look_up(parameters.neighbors.get(), scene_radius, photons),
+            caustic: parameters.caustic_look_up(scene_radius, caustic_photons),
+            direct: parameters.direct_look_up(scene_radius, photons),
+            choice: parameters.map_choice(scene.width),
             splitting,
-            parameters: self.clone(),
+            parameters,
+            whole_paths,
             scene,
-        })
+        }
     }
 }
 
 /// A scene and the method's parameters.
-struct TwoPasses {
+pub(super) struct TwoPasses {
     scene: Arc<Scene>,
     seed: u64,
     limits: Limits,
@@ -173,6 +194,8 @@ struct TwoPasses {
     choice: MapChoice,
     splitting: CausticSplitting,
     parameters: Parameters,
+    /// Photons of whole paths in place of those of light paths.
+    whole_paths: Option<PhotonPathSettings>,
 }
 
 impl Parameters {

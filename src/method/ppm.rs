@@ -42,6 +42,7 @@ use crate::scene::geometry::ray::{largest, position_error};
 use crate::scene::material::Lobes;
 use crate::transport::Counters;
 use crate::transport::camera_walk::{CameraWalk, GatherPoint};
+use crate::transport::counters::Step;
 use crate::transport::emission_learning::GuideParts;
 use crate::transport::hit_point::HitPoint;
 use crate::transport::occlusion::Occlusion;
@@ -108,7 +109,7 @@ impl ParameterizedMethod for Parameters {
         self.emission.of_paths() != Emission::Power
     }
 
-    fn proposals(&self) -> &'static [&'static str] {
+    fn proposals(&self) -> &'static [Step] {
         self.emission.proposals()
     }
 

@@ -36,6 +36,7 @@ use crate::estimate::{PixelTally, RadiusRule, ShardSums};
 use crate::math::random::{PassRandom, PathRandom, Stream};
 use crate::scene::Scene;
 use crate::transport::Counters;
+use crate::transport::counters::Step;
 use crate::transport::emission_learning::GuideParts;
 use crate::transport::evenness::Evenness;
 use crate::transport::occlusion::Occlusion;
@@ -89,7 +90,7 @@ impl ParameterizedMethod for Parameters {
         self.emission.of_paths() != Emission::Power
     }
 
-    fn proposals(&self) -> &'static [&'static str] {
+    fn proposals(&self) -> &'static [Step] {
         self.emission.proposals()
     }
 

@@ -16,7 +16,7 @@ use crate::scene::light::emission_guide::{self, EmissionGuide};
 use crate::scene::light::visibility::VisibilityError;
 use crate::scene::light::{LightTable, LightVisibility};
 use crate::transport::Counters;
-use crate::transport::counters::StepCounts;
+use crate::transport::counters::{Step, StepCounts};
 
 /// The caller asked to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -181,8 +181,9 @@ impl Renderer {
         tally.set_scalar(RAYS, total.rays as f64);
         tally.set_scalar(NON_FINITE, total.non_finite as f64);
         let StepCounts { proposed, accepted } = total.steps;
-        let counts = [0, 1].map(|step| ProposalCount { proposed: proposed[step], accepted: accepted[step] });
-        tally.set_proposals(&counts);
+        for (step, (proposed, accepted)) in Step::ALL.iter().zip(proposed.into_iter().zip(accepted)) {
+            tally.set_proposals(step.name(), ProposalCount { proposed, accepted });
+        }
         Ok(tally)
     }
 }

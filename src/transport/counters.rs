@@ -17,29 +17,52 @@ pub struct Counters {
     pub steps: StepCounts,
 }
 
-/// What is proposed to a chain.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Step {
+macro_rules! steps {
+    ($($(#[$about:meta])* $kind:ident = $name:literal,)+) => {
+        /// What is proposed to a chain.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum Step {
+            $($(#[$about])* $kind,)+
+        }
+
+        impl Step {
+            /// All kinds.
+            pub const ALL: &'static [Self] = &[$(Self::$kind),+];
+
+            /// What people read.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$kind => $name),+ }
+            }
+        }
+    };
+}
+
+steps! {
     /// All numbers of its path change by a little.
-    Small,
-    /// All are new.
-    Large,
+    Small = "small_step",
+    /// A path that does not depend on it.
+    Large = "large_step",
+    /// Some vertices of its path are replaced, from both ends of the gap.
+    Bidirectional = "bidirectional",
+    /// Another place of the film, near its own, and all that follows up to the first wide enough surface.
+    Lens = "lens_perturbation",
+    /// Another place of the film.
+    LensSubpath = "lens_subpath",
+    /// Another direction into mirrors and glass, near its own.
+    Caustic = "caustic_perturbation",
+    /// Another direction from the first surface that is no mirror to the second.
+    PhotonMap = "photon_map",
+    /// A path near one that a user gave.
+    User = "user_path",
 }
 
 /// Proposals to chains, by kind of step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepCounts {
     /// All of them.
-    pub proposed: [u64; Step::COUNT],
+    pub proposed: [u64; Step::ALL.len()],
     /// Those that became the chain's next state.
-    pub accepted: [u64; Step::COUNT],
-}
-
-impl Step {
-    /// How many kinds there are.
-    pub const COUNT: usize = 2;
-    /// Their names, in the order of the kinds.
-    pub const NAMES: [&str; Self::COUNT] = ["small_step", "large_step"];
+    pub accepted: [u64; Step::ALL.len()],
 }
 
 impl StepCounts {

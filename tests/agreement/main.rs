@@ -18,5 +18,7 @@ mod photon_chains;
 mod photon_look_ups;
 mod photon_map;
 mod photon_map_direct;
+mod photon_paths;
 mod references;
 mod visible_lights;
+mod whole_paths;

@@ -50,6 +50,7 @@ impl Shared {
         }
         let scene = self.scene(&request.scene)?;
         let (description, terms) = self.agree(&request, &scene)?;
+        self.check_places(&description, self.scene_bytes(&request.scene)).await?;
         let pixels = u64::from(description.width) * u64::from(description.height);
         self.check_user_jobs(&self.lock(), owner.as_ref(), pixels, terms.stop)?;
         let (id, unix) = self.next_id()?;
@@ -94,12 +95,19 @@ impl Shared {
         scene: Option<Vec<u8>>,
     ) -> Result<JobStatus, FarmError> {
         request::check_labels(&request, &self.options.limits)?;
-        let scene = match scene {
+        let known = match &scene {
             None => self.scene(&request.scene)?,
-            Some(bytes) => self.upload_all(&bytes, None).await?.check().await?,
+            Some(bytes) => self.upload_all(bytes, None).await?.check().await?,
         };
-        let (description, terms) = self.agree(&request, &scene)?;
-        let description = JobDescription { scene: scene.summary.hash.clone(), ..description };
+        let (description, terms) = self.agree(&request, &known)?;
+        let description = JobDescription { scene: known.summary.hash.clone(), ..description };
+        let bytes = async {
+            match scene {
+                None => self.scene_bytes(&request.scene).await,
+                Some(bytes) => Ok(bytes.into()),
+            }
+        };
+        self.check_places(&description, bytes).await?;
         Ok(JobFacts::new(request, description, terms, Duration::ZERO).status())
     }
 

@@ -17,7 +17,8 @@ use crate::farm::rules::Event;
 use crate::farm::store::blobs::Uploaded;
 use crate::farm::store::scenes::SceneRow;
 use crate::farm::store::{BlobName, StoreError, Upload};
-use crate::method::SceneTraits;
+use crate::farm::wire::lease::JobDescription;
+use crate::method::{self, CheckedMethod, SceneTraits};
 
 impl Shared {
     pub(super) fn scene(&self, hash: &str) -> Result<Arc<SceneRecord>, FarmError> {
@@ -151,6 +152,21 @@ impl Shared {
         let (integrator, traits) = (scene.integrator.clone(), SceneTraits::of(&scene));
         let uploaded = AtomicI64::new(self.clock.unix_milliseconds());
         Ok(SceneRecord { summary, integrator, traits, uploaded })
+    }
+
+    /// Whether a scene can take parameters of the job's method that name places in it; its `bytes` are asked for only then.
+    pub(super) async fn check_places(
+        &self,
+        job: &JobDescription,
+        bytes: impl Future<Output = Result<Bytes, FarmError>>,
+    ) -> Result<(), FarmError> {
+        let Some(method) = job.method.clone().filter(CheckedMethod::names_places) else { return Ok(()) };
+        let prepare = async {
+            let bytes = bytes.await?;
+            blocking(move || Ok(Arc::new(prepare_scene(&bytes)?))).await
+        };
+        let scene = self.options.scenes.get_or_prepare(&job.scene, prepare).await?;
+        blocking(move || Ok(method::check_in_scene(&method, &scene)?)).await
     }
 
     /// Takes the scenes of the store over.

@@ -62,9 +62,10 @@ impl TwoPasses {
         for map in 0..count {
             let photons = self.photons_per_pass / count + u32::from(map < self.photons_per_pass % count);
             let numbers = MapNumbers { stream, map: set * count + map };
-            let (found, counters) = match &chained {
-                Some(chained) => self.trace_chains(pass, chained, &numbers, photons, cancel)?,
-                None => {
+            let (found, counters) = match (&chained, &self.whole_paths) {
+                (_, Some(whole_paths)) => self.trace_whole_paths(pass, whole_paths, &numbers, photons, cancel)?,
+                (Some(chained), None) => self.trace_chains(pass, chained, &numbers, photons, cancel)?,
+                (None, None) => {
                     let random = numbers.of(self.seed, pass.index, stream);
                     self.trace_map(&random, photons, pass.guide, importance.as_ref(), cancel)?
                 }

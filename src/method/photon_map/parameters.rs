@@ -6,7 +6,7 @@ use crate::method::bounded_numbers::bounded;
 use crate::method::parameter_values::{
     Auto, Depth, LightPicks, Passes, PhotonCount, PhotonEmission, Radius, RouletteDepth, Switch, Switchable,
 };
-use crate::method::parameters::{ParameterValue, parameter, parameters};
+use crate::method::parameters::{Parameter, ParameterValue, parameter, parameters};
 use crate::method::shared_parameters::{EMISSION, LIGHT_PICKS, MAX_DEPTH, OCCLUSION, PASSES, PHOTONS, RR_DEPTH};
 use crate::transport::caustic_splitting::Splitting;
 use crate::transport::kernel::Kernel;
@@ -15,47 +15,47 @@ use crate::transport::occlusion::Occlusion;
 
 bounded! {
     /// k, photons in a look-up.
-    pub(super) struct Neighbors(u32), [2 to 65536]
+    pub(in crate::method) struct Neighbors(u32), [2 to 65536]
 }
 
 bounded! {
     /// Maps that every estimate is the mean of.
-    pub(super) struct MapCount(u32), [1 to 64]
+    pub(in crate::method) struct MapCount(u32), [1 to 64]
 }
 
 bounded! {
     /// Camera paths of a pixel and pass.
-    pub(super) struct CameraPaths(u32), [1 to 64]
+    pub(in crate::method) struct CameraPaths(u32), [1 to 64]
 }
 
 bounded! {
     /// S: the maps that pixels look at in turn are S².
-    pub(super) struct Skipping(u32), [1 to 16]
+    pub(in crate::method) struct Skipping(u32), [1 to 16]
 }
 
 bounded! {
     /// Levels of a scanline's hat basis under its base.
-    pub(super) struct Levels(u32), [0 to 16]
+    pub(in crate::method) struct Levels(u32), [0 to 16]
 }
 
 bounded! {
     /// Samples of a pixel on a level.
-    pub(super) struct LevelSamples(u32), [1 to 256]
+    pub(in crate::method) struct LevelSamples(u32), [1 to 256]
 }
 
 bounded! {
     /// The contrast from which pixels are localized, %; 0 localizes none.
-    pub(super) struct Contrast(u32), [0 to 1000]
+    pub(in crate::method) struct Contrast(u32), [0 to 1000]
 }
 
 bounded! {
     /// Gather rays of a camera path.
-    pub(super) struct GatherRays(u32), [0 to 1024]
+    pub(in crate::method) struct GatherRays(u32), [0 to 1024]
 }
 
 bounded! {
     /// The largest angle between a photon's direction and the normal, degrees.
-    pub(super) struct ArrivalAngle(u32), [1 to 180]
+    pub(in crate::method) struct ArrivalAngle(u32), [1 to 180]
 }
 
 impl ArrivalAngle {
@@ -67,12 +67,12 @@ impl ArrivalAngle {
 
 bounded! {
     /// A share of k photons, %.
-    pub(super) struct ShareOfNeighbors(u32), [0 to 100]
+    pub(in crate::method) struct ShareOfNeighbors(u32), [0 to 100]
 }
 
 bounded! {
     /// S, caustic photons for each that the pass would have.
-    pub(super) struct SplittingFactor(u32), [1 to 4096]
+    pub(in crate::method) struct SplittingFactor(u32), [1 to 4096]
 }
 
 impl ParameterValue for Splitting {
@@ -85,18 +85,18 @@ impl ParameterValue for Storage {
 
 bounded! {
     /// Light samples at a point.
-    pub(super) struct LightSamples(u32), [1 to 1024]
+    pub(in crate::method) struct LightSamples(u32), [1 to 1024]
 }
 
 bounded! {
     /// How far a look-up is used again, in its radii.
-    pub(super) struct Reuse(f64), [0.0 to 1.0]
+    pub(in crate::method) struct Reuse(f64), [0.0 to 1.0]
 }
 
 /// How direct light is found where a camera path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(super) enum DirectMode {
+pub(in crate::method) enum DirectMode {
     /// Lights are sampled.
     Sample,
     /// Photons that came straight from lights are looked up.
@@ -113,18 +113,18 @@ impl ParameterValue for DirectMode {
 
 bounded! {
     /// a, the largest error of interpolated irradiance.
-    pub(super) struct CacheError(f64) or Switchable, [0.001 to 1.0]
+    pub(in crate::method) struct CacheError(f64) or Switchable, [0.001 to 1.0]
 }
 
 bounded! {
     /// Gather rays of a record.
-    pub(super) struct CacheRays(u32) or Auto, [16 to 4096]
+    pub(in crate::method) struct CacheRays(u32) or Auto, [16 to 4096]
 }
 
 /// The structure that photons are looked up in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Structure {
+pub(in crate::method) enum Structure {
     /// Cells of equal size.
     Grid,
     /// A balanced tree.
@@ -138,7 +138,7 @@ impl ParameterValue for Structure {
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum ShownPart {
+pub(in crate::method) enum ShownPart {
     /// Radiance.
     Radiance,
     /// White where a pixel is localized, black where it is not.
@@ -158,25 +158,53 @@ impl ParameterValue for NeighborChoice {
     const RANGE: &'static str = "fixed, centre_of_gravity, mean_direction";
 }
 
+/// How many photons a look-up of the global map takes.
+pub(in crate::method) const NEIGHBORS: Parameter<Neighbors> =
+    parameter("nearest photons in a look-up of the global map", Neighbors::new(20).expect("in range"), "20");
+
+/// The same of the caustic map.
+pub(in crate::method) const CAUSTIC_NEIGHBORS: Parameter<Neighbors> =
+    parameter("nearest photons in a look-up of the caustic map", Neighbors::new(10).expect("in range"), "10");
+
+/// How far look-ups reach.
+pub(in crate::method) const LARGEST_RADIUS: Parameter<Auto<Radius>> = parameter(
+    "largest radius of a look-up, m; gather rays shorter than it go on",
+    Auto::Auto,
+    "auto: half the area that k photons take on average",
+);
+
+/// How many rays gather.
+pub(in crate::method) const FINAL_GATHER: Parameter<GatherRays> = parameter(
+    "gather rays per camera path; 0 looks at the global map directly",
+    GatherRays::new(4).expect("in range"),
+    "4",
+);
+
+/// Whether irradiance is interpolated.
+pub(in crate::method) const CACHE_ERROR: Parameter<Switchable<CacheError>> = parameter(
+    "irradiance cache: error that interpolation on matte surfaces may have, Ward's a",
+    Switchable::Off,
+    "off",
+);
+
+/// From what.
+pub(in crate::method) const CACHE_RAYS: Parameter<Auto<CacheRays>> =
+    parameter("irradiance cache: gather rays of a record", Auto::Auto, "auto: 256");
+
+/// Camera paths of a pixel.
+pub(in crate::method) const CAMERA_PATHS: Parameter<CameraPaths> = parameter(
+    "camera paths per pixel and pass, which all look at the same maps",
+    CameraPaths::new(1).expect("in range"),
+    "1",
+);
+
 parameters! {
     /// Parameters of `photon_map`.
-    pub(super) struct Parameters {
+    pub(in crate::method) struct Parameters {
         photons_per_pass: Auto<PhotonCount> = PHOTONS,
-        neighbors: Neighbors = parameter(
-            "nearest photons in a look-up of the global map",
-            Neighbors::new(20).expect("in range"),
-            "20",
-        ),
-        caustic_neighbors: Neighbors = parameter(
-            "nearest photons in a look-up of the caustic map",
-            Neighbors::new(10).expect("in range"),
-            "10",
-        ),
-        largest_radius: Auto<Radius> = parameter(
-            "largest radius of a look-up, m; gather rays shorter than it go on",
-            Auto::Auto,
-            "auto: half the area that k photons take on average",
-        ),
+        neighbors: Neighbors = NEIGHBORS,
+        caustic_neighbors: Neighbors = CAUSTIC_NEIGHBORS,
+        largest_radius: Auto<Radius> = LARGEST_RADIUS,
         kernel: Kernel = parameter("how photons count by their distance", Kernel::Epanechnikov, "epanechnikov"),
         direct: DirectMode = parameter(
             "how direct light is found at wide lobes: sample, by light samples; photons, by those that came straight from lights; \
@@ -221,18 +249,9 @@ parameters! {
             ShareOfNeighbors::new(0).expect("in range"),
             "0",
         ),
-        final_gather: GatherRays = parameter(
-            "gather rays per camera path; 0 looks at the global map directly",
-            GatherRays::new(4).expect("in range"),
-            "4",
-        ),
-        cache_error: Switchable<CacheError> = parameter(
-            "irradiance cache: error that interpolation on matte surfaces may have, Ward's a",
-            Switchable::Off,
-            "off",
-        ),
-        cache_rays: Auto<CacheRays> =
-            parameter("irradiance cache: gather rays of a record", Auto::Auto, "auto: 256"),
+        final_gather: GatherRays = FINAL_GATHER,
+        cache_error: Switchable<CacheError> = CACHE_ERROR,
+        cache_rays: Auto<CacheRays> = CACHE_RAYS,
         structure: Structure =
             parameter("what photons are looked up in: cells or a balanced tree", Structure::Grid, "grid"),
         maps: MapCount = parameter(
@@ -240,11 +259,7 @@ parameters! {
             MapCount::new(1).expect("in range"),
             "1",
         ),
-        camera_paths: CameraPaths = parameter(
-            "camera paths per pixel and pass, which all look at the same maps",
-            CameraPaths::new(1).expect("in range"),
-            "1",
-        ),
+        camera_paths: CameraPaths = CAMERA_PATHS,
         skipping: Skipping = parameter(
             "S: a pass traces S² times as many maps, one after the other, and each pixel looks at one of them at random",
             Skipping::new(1).expect("in range"),

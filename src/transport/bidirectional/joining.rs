@@ -124,15 +124,21 @@ pub struct SeenVertex {
     sums: Sums,
 }
 
+/// Shows `add` the pixels that a place of the whole film counts in, by index in the picture and filter weight.
+#[inline]
+pub fn for_each_pixel(scene: &Scene, film: Vec2, mut add: impl FnMut(u32, f32)) {
+    // Without a border nothing that lies beyond an edge counts within.
+    let repeats = if scene.film.samples_border { scene.camera.repeats() } else { &[0.0] };
+    for repeat in repeats {
+        scene.film.for_each_pixel(film + Vec2::new(*repeat, 0.0), &mut add);
+    }
+}
+
 impl SeenVertex {
     /// Shows `add` the pixels that it counts in, by index in the picture and filter weight.
     #[inline]
-    pub fn for_each_pixel(&self, scene: &Scene, mut add: impl FnMut(u32, f32)) {
-        // Without a border nothing that lies beyond an edge counts within.
-        let repeats = if scene.film.samples_border { scene.camera.repeats() } else { &[0.0] };
-        for repeat in repeats {
-            scene.film.for_each_pixel(self.film + Vec2::new(*repeat, 0.0), &mut add);
-        }
+    pub fn for_each_pixel(&self, scene: &Scene, add: impl FnMut(u32, f32)) {
+        for_each_pixel(scene, self.film, add);
     }
 
     /// The weight for a pixel with ηᵝ = `acceptance`.

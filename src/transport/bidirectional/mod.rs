@@ -26,7 +26,7 @@ mod vertex;
 pub mod weights;
 
 pub use camera_walk::CameraWalk;
-pub use joining::{Merging, SeenVertex, connect, direct_light, merge, to_camera};
+pub use joining::{Merging, SeenVertex, connect, direct_light, for_each_pixel, merge, to_camera};
 pub use light_walk::LightWalk;
 pub use selection::{Selection, Show};
 pub use stored_vertex::{MergePhoton, MergeRecord, StoredVertex};

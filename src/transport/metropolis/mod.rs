@@ -1,9 +1,13 @@
-//! Markov chains over the random numbers of paths.
+//! Markov chains of light paths.
 //!
-//! [`path_chains`] bring light to the picture, [`photon_chains`] make photons. [`sample`] is a path with a length and a way of finding
-//! it, made of recorded numbers; [`mutation`] changes such numbers.
+//! [`chains`] run over any [`Space`](chains::Space) of states: over the random numbers of bidirectional paths ([`primary_space`]), or over paths
+//! themselves ([`path_space`]). [`photon_chains`] and [`photon_paths`] make photons. [`mutation`] changes numbers.
 
+pub mod chains;
+pub mod eye_subpaths;
 pub mod mutation;
-pub mod path_chains;
+pub mod path_space;
 pub mod photon_chains;
+pub mod photon_paths;
+pub mod primary_space;
 pub mod sample;

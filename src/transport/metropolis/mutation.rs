@@ -1,6 +1,8 @@
 //! Changes of recorded numbers [Kelemen et al. 2002]: all of them anew, or each by a little.
 
 use crate::math::random::PathRandom;
+use crate::math::trigonometry::sin_cos_turn;
+use crate::math::{Frame, Vec3};
 
 /// The largest step of a small change; the smallest is 2⁻⁶ as large.
 const LARGEST_STEP: f32 = 1.0 / 64.0;
@@ -31,6 +33,25 @@ impl Source {
         }
         self.used += 1;
         self.rest[self.used - 1]
+    }
+
+    /// `direction`, a unit vector, turned by an angle between the two of `range`, radians; angles of all orders of size are about as frequent. By solid
+    /// angle the density is the same both ways.
+    pub fn turned(&mut self, direction: Vec3, [smallest, largest]: [f32; 2]) -> Vec3 {
+        let angle = largest * libm::powf(smallest / largest, self.number());
+        self.turned_by(direction, angle)
+    }
+
+    /// `direction` turned by an angle of which all up to `largest`, radians, are as frequent.
+    pub fn turned_evenly(&mut self, direction: Vec3, largest: f32) -> Vec3 {
+        let angle = largest * self.number();
+        self.turned_by(direction, angle)
+    }
+
+    fn turned_by(&mut self, direction: Vec3, angle: f32) -> Vec3 {
+        let (sine, cosine) = libm::sincosf(angle);
+        let (y, x) = sin_cos_turn(self.number());
+        Frame::from_normal(direction).to_world(Vec3::new(x * sine, y * sine, cosine)).normalize()
     }
 }
 

@@ -198,10 +198,9 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
         let mut target = self.photons(start, &numbers, &mut photons, counters);
         let mut times = 0;
         for state in states {
-            let step = if source.number() < LARGE { Step::Large } else { Step::Small };
-            let next = match step {
-                Step::Large => PathNumbers::new(self.mutations.path(LARGE_STEPS | state)),
-                Step::Small => numbers.moved(&mut source),
+            let (step, next) = match source.number() < LARGE {
+                true => (Step::Large, PathNumbers::new(self.mutations.path(LARGE_STEPS | state))),
+                false => (Step::Small, numbers.moved(&mut source)),
             };
             proposed.clear();
             let next_target = self.photons(start, &next, &mut proposed, counters);
