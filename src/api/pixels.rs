@@ -26,8 +26,8 @@ use crate::farm::job::JobStatus;
 
 /// What the picture itself is called among the layers.
 const COLOR: &str = "color";
-/// How many times as long as the values of a running job take to be made they are answered at least: 1 % of a processor.
-const REST: u32 = 100;
+/// How many times as long as the values of a running job take to be made they are answered at least: 2 % of a processor.
+const REST: u32 = 50;
 /// How long values are kept.
 const KEPT_FOR: Duration = Duration::from_secs(20);
 /// Bytes of values that are kept; the newest are in any case.

@@ -42,7 +42,9 @@ function readRoute() {
   if (route.view === 'workers') showJournal(element('farm-journal'));
 }
 
-const openJob = id => { location.hash = `#/jobs/${id}`; };
+const openJob = id => {
+  location.hash = `#/jobs/${id}`;
+};
 
 // What is told of a job that is shown under another's id would be wrong, so all of it follows from the store at once.
 function show() {
@@ -80,11 +82,11 @@ function showJobs(jobs) {
   if (!job) return;
   showHead(job);
   showActions(job);
-  listOthers(jobs.values(), job, viewer.other?.id);
   showPanel(job);
 }
 
 function showPanel(job) {
+  if (panel === 'panel-compare') listOthers(store.jobs.values(), job, viewer.other?.id);
   if (panel === 'panel-charts') showCharts(job);
   if (panel === 'panel-details') showDetails(job);
   // Lines are written when the state changes.
@@ -115,13 +117,21 @@ async function start() {
   startViewer();
   startControls(changeLayer);
   startComparison({ compareWith, change: changeComparison, current: () => viewer });
-  startTabs(element('panel-tabs'), shown => { [panel, journal] = [shown, '']; show(); });
+  startTabs(element('panel-tabs'), shown => {
+    [panel, journal] = [shown, ''];
+    show();
+  });
   followKeys(viewerActions({ openNeighbour, help: showKeys }));
   element('show-keys').onclick = showKeys;
   subscribe(show);
   addEventListener('hashchange', readRoute);
   readRoute();
-  const build = await fetch('/version').then(answer => answer.json()).then(version => version.build, () => '');
+  const build = await fetch('/version')
+    .then(answer => answer.json())
+    .then(
+      version => version.build,
+      () => '',
+    );
   startLogin(followFarm(build, hearFarm));
 }
 

@@ -13,18 +13,27 @@ let history = { id: null, version: null, at: 0, points: [] };
 export async function showCharts(job) {
   await refresh(job);
   const panel = element('panel-charts');
-  if (panel.hidden) return;
+  // Another job may have been chosen meanwhile.
+  if (panel.hidden || history.id !== job.id) return;
   const { points } = history;
   const error = lineChart({
-    label: 'Error over time', isLogarithmic: true, goal: job.stop.error,
+    label: 'Error over time',
+    isLogarithmic: true,
+    goal: job.stop.error,
     lines: [
       { className: 'bound', points: points.map(({ seconds, bound }) => [seconds, bound]) },
       { className: 'estimate', points: points.map(({ seconds, relmse }) => [seconds, relmse]) },
     ],
   });
   const noted = recorded(job.id);
-  const speed = lineChart({ label: 'Speed over time', lines: [{ className: 'estimate', points: noted.map(({ seconds, speed }) => [seconds, speed ?? NaN]) }] });
-  const workers = lineChart({ label: 'Workers over time', lines: [{ className: 'estimate', points: noted.map(point => [point.seconds, point.workers]) }] });
+  const speed = lineChart({
+    label: 'Speed over time',
+    lines: [{ className: 'estimate', points: noted.map(({ seconds, speed }) => [seconds, speed ?? NaN]) }],
+  });
+  const workers = lineChart({
+    label: 'Workers over time',
+    lines: [{ className: 'estimate', points: noted.map(point => [point.seconds, point.workers]) }],
+  });
   const what = job.photons_emitted ? 'Photons' : 'Samples';
   panel.replaceChildren(
     figure('Error (relMSE): estimate, and the bound that it is below with 95 % confidence', error, points.length ? '' : 'Nothing is estimated yet.'),
@@ -34,7 +43,8 @@ export async function showCharts(job) {
   );
 }
 
-const figure = (title, chart, note) => make('figure', {}, make('figcaption', {}, title), chart, note ? make('p', { className: 'quiet' }, note) : null);
+const figure = (title, chart, note) =>
+  make('figure', {}, make('figcaption', {}, title), chart, note ? make('p', { className: 'quiet' }, note) : null);
 
 async function refresh(job) {
   const isOther = history.id !== job.id;

@@ -13,8 +13,9 @@ export function lineChart({ label, lines, isLogarithmic, goal }) {
   const end = Math.max(...points.map(([seconds]) => seconds), 1);
   const [low, high] = valueRange(points.map(([, value]) => value).concat(goal ?? []), isLogarithmic);
   const position = isLogarithmic ? Math.log : value => value;
-  const x = seconds => MARGIN.left + seconds / end * (WIDTH - MARGIN.left - MARGIN.right);
-  const y = value => HEIGHT - MARGIN.bottom - (position(value) - position(low)) / (position(high) - position(low)) * (HEIGHT - MARGIN.top - MARGIN.bottom);
+  const x = seconds => MARGIN.left + (seconds / end) * (WIDTH - MARGIN.left - MARGIN.right);
+  const y = value =>
+    HEIGHT - MARGIN.bottom - ((position(value) - position(low)) / (position(high) - position(low))) * (HEIGHT - MARGIN.top - MARGIN.bottom);
   const children = [
     ...valueTicks(low, high, isLogarithmic).flatMap(value => horizontal(y(value), short(value))),
     ...[0, 0.5, 1].map(share => text(x(share * end), HEIGHT - 6, duration(share * end), ['start', 'middle', 'end'][share * 2])),
@@ -40,11 +41,11 @@ function valueRange(values, isLogarithmic) {
 
 function roundUp(value) {
   const unit = 10 ** Math.floor(Math.log10(value || 1));
-  return Math.ceil(value / unit * 2) / 2 * unit;
+  return (Math.ceil((value / unit) * 2) / 2) * unit;
 }
 
 function valueTicks(low, high, isLogarithmic) {
-  if (!isLogarithmic) return [0, high / 2, high];
+  if (!isLogarithmic) return high > 1 ? [0, high / 2, high] : [0, high];
   const [from, to] = [Math.round(Math.log10(low)), Math.round(Math.log10(high))];
   const step = Math.ceil((to - from) / 4);
   return Array.from({ length: Math.floor((to - from) / step) + 1 }, (_, index) => 10 ** (from + index * step));

@@ -19,7 +19,11 @@ export function record(jobs) {
     const done = samplesPerSecond(job) * job.seconds;
     const speed = last ? Math.max((done - last.done) / (job.seconds - last.seconds), 0) : null;
     points.push({ seconds: job.seconds, done, speed, workers: job.workers });
-    if (points.length > MOST) records.set(job.id, points.filter((_, index) => index % 2 === 0));
+    if (points.length > MOST)
+      records.set(
+        job.id,
+        points.filter((_, index) => index % 2 === 0),
+      );
   }
 }
 

@@ -45,7 +45,10 @@ export class FarmStream {
 
   // The browser opens a broken stream again and hears what it missed; one that was refused it does not.
   async lookWhy(source) {
-    const status = await fetch('/v1/me', { signal: AbortSignal.timeout(PATIENCE_MS) }).then(answer => answer.status, () => 0);
+    const status = await fetch('/v1/me', { signal: AbortSignal.timeout(PATIENCE_MS) }).then(
+      answer => answer.status,
+      () => 0,
+    );
     if (source !== this.source) return;
     if (status === 401) {
       source.close();

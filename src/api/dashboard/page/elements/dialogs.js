@@ -11,8 +11,14 @@ export function openForm(title, contents, action, act, kind = 'primary') {
   const problem = make('div');
   const send = make('button', { type: 'submit', className: kind }, action);
   const cancel = make('button', { type: 'button', onclick: () => dialog.close() }, 'Back');
-  const form = make('form', { method: 'dialog' }, make('h2', { id: 'dialog-title' }, title), contents, problem,
-    make('p', { className: 'buttons' }, cancel, send));
+  const form = make(
+    'form',
+    { method: 'dialog' },
+    make('h2', { id: 'dialog-title' }, title),
+    contents,
+    problem,
+    make('p', { className: 'buttons' }, cancel, send),
+  );
   const dialog = make('dialog', { 'aria-labelledby': 'dialog-title' }, form);
   form.onsubmit = async event => {
     event.preventDefault();
@@ -32,8 +38,7 @@ export function openForm(title, contents, action, act, kind = 'primary') {
 // Shows something to read.
 export function openNote(title, contents) {
   const close = make('button', { type: 'submit', className: 'primary' }, 'Close');
-  const form = make('form', { method: 'dialog' }, make('h2', { id: 'dialog-title' }, title), contents,
-    make('p', { className: 'buttons' }, close));
+  const form = make('form', { method: 'dialog' }, make('h2', { id: 'dialog-title' }, title), contents, make('p', { className: 'buttons' }, close));
   show(make('dialog', { className: 'wide', 'aria-labelledby': 'dialog-title' }, form));
 }
 

@@ -2,7 +2,7 @@
 
 const PLURALS = { pass: 'passes' };
 
-export const count = (number, word) => `${number.toLocaleString('en')} ${number === 1 ? word : PLURALS[word] ?? `${word}s`}`;
+export const count = (number, word) => `${number.toLocaleString('en')} ${number === 1 ? word : (PLURALS[word] ?? `${word}s`)}`;
 
 // Two parts at most: "45 s", "3 min 20 s", "2 h 5 min", "3 d 4 h".
 export function duration(seconds) {
@@ -31,5 +31,7 @@ export function rate(perSecond, what) {
   return `${Math.round(perSecond).toLocaleString('en')} ${what}/s`;
 }
 
-export const time = milliseconds => new Date(milliseconds).toLocaleTimeString([], { hour12: false });
-export const date = milliseconds => new Date(milliseconds).toLocaleString([], { hour12: false });
+// Swedish dates are those of ISO 8601, which nobody takes for another day.
+const ISO = 'sv-SE';
+export const time = milliseconds => new Date(milliseconds).toLocaleTimeString(ISO);
+export const date = milliseconds => new Date(milliseconds).toLocaleString(ISO);

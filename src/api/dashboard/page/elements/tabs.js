@@ -13,7 +13,9 @@ export function startTabs(list, tell) {
     }
     tell(shown.getAttribute('aria-controls'));
   };
-  tabs.forEach(tab => { tab.onclick = () => show(tab); });
+  tabs.forEach(tab => {
+    tab.onclick = () => show(tab);
+  });
   list.addEventListener('keydown', event => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;

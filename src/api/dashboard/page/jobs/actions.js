@@ -30,8 +30,12 @@ export function startActions(openJob) {
   open = openJob;
   const button = ([name, label, , , act]) => make('button', { type: 'button', id: `action-${name}`, onclick: () => perform(act) }, label);
   const link = (id, text, title) => make('a', { id, className: 'button', title }, text);
-  element('job-actions').append(...ACTIONS.map(button), make('p', { id: 'action-problem', role: 'alert' }),
-    link('link-exr', 'EXR', 'Save the picture as 32-bit float EXR'), link('link-png', 'PNG', 'Save the picture as 8-bit sRGB PNG with this exposure'));
+  element('job-actions').append(
+    ...ACTIONS.map(button),
+    make('p', { id: 'action-problem', role: 'alert' }),
+    link('link-exr', 'EXR', 'Save the picture as 32-bit float EXR'),
+    link('link-png', 'PNG', 'Save the picture as 8-bit sRGB PNG with this exposure'),
+  );
 }
 
 export function showActions(job) {
@@ -41,7 +45,10 @@ export function showActions(job) {
     button.disabled = !isAllowed(job);
     button.title = !button.disabled ? '' : isLive() ? 'Your role does not allow this.' : 'The coordinator does not answer.';
   }
-  for (const [id, address] of [['link-exr', job.links.image_exr], ['link-png', `${job.links.image_png}?exposure=${look.exposure}`]]) {
+  for (const [id, address] of [
+    ['link-exr', job.links.image_exr],
+    ['link-png', `${job.links.image_png}?exposure=${look.exposure}`],
+  ]) {
     const link = element(id);
     link.hidden = !job.passes_done;
     link.href = address;
@@ -96,9 +103,16 @@ async function openEdit(job) {
   const name = make('input', { name: 'name', value: seen.name ?? '', maxLength: 200 });
   const tags = make('input', { name: 'tags', value: seen.tags.join(', ') });
   const priority = make('input', { name: 'priority', type: 'number', min: 1, max: 1000, required: true, value: seen.priority });
-  const contents = [field('Name', name), field('Tags', tags, 'Words to find it by, separated by commas.'),
-    field('Priority', priority, '1 to 1000: a job of 200 gets twice the work done that one of 100 gets.')];
-  openForm(`Edit ${nameOf(seen)}`, contents, 'Save', () => ask(`/v1/jobs/${job.id}`, {
-    method: 'PATCH', headers: { 'If-Match': version }, body: { name: name.value, tags: readTags(tags.value), priority: priority.valueAsNumber },
-  }));
+  const contents = [
+    field('Name', name),
+    field('Tags', tags, 'Words to find it by, separated by commas.'),
+    field('Priority', priority, '1 to 1000: a job of 200 gets twice the work done that one of 100 gets.'),
+  ];
+  openForm(`Edit ${nameOf(seen)}`, contents, 'Save', () =>
+    ask(`/v1/jobs/${job.id}`, {
+      method: 'PATCH',
+      headers: { 'If-Match': version },
+      body: { name: name.value, tags: readTags(tags.value), priority: priority.valueAsNumber },
+    }),
+  );
 }

@@ -1,19 +1,22 @@
 // All that the coordinator knows of a job, as a table.
 
-import { element, make } from '../elements/dom.js';
+import { element } from '../elements/dom.js';
+import { factsTable } from '../elements/lists.js';
 import { date, duration, short } from '../elements/numbers.js';
 import { acceptance, speed } from './progress.js';
 
 let shown = '';
 
 export function showDetails(job) {
-  const rows = [...general(job), ...Object.entries(job.parameters).map(([name, value]) => [name, String(value), 'parameter'])];
-  const text = JSON.stringify(rows);
+  const parameters = Object.entries(job.parameters).map(([name, value]) => [name, String(value)]);
+  const tables = [
+    [general(job), 'The job'],
+    [parameters, `Parameters of ${job.method}`],
+  ];
+  const text = JSON.stringify(tables);
   if (text === shown) return;
   shown = text;
-  const row = ([name, value, kind]) => make('tr', { className: kind ?? '' }, make('th', { scope: 'row' }, name), make('td', {}, value));
-  const table = (caption, list) => make('table', { className: 'facts' }, make('caption', {}, caption), make('tbody', {}, list.map(row)));
-  element('panel-details').replaceChildren(table('The job', rows.filter(([, , kind]) => !kind)), table(`Parameters of ${job.method}`, rows.filter(([, , kind]) => kind)));
+  element('panel-details').replaceChildren(...tables.map(([rows, caption]) => factsTable(rows, caption)));
 }
 
 function general(job) {
@@ -41,6 +44,11 @@ function general(job) {
 }
 
 function stopText({ passes, seconds, error, accepts_missing_light: acceptsMissing }) {
-  const parts = [passes && `${passes} passes`, seconds && duration(seconds), error && `error below ${short(error)}`, acceptsMissing && 'accepts missing light'];
+  const parts = [
+    passes && `${passes} passes`,
+    seconds && duration(seconds),
+    error && `error below ${short(error)}`,
+    acceptsMissing && 'accepts missing light',
+  ];
   return parts.filter(Boolean).join(', ');
 }

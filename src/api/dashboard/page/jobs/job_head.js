@@ -1,7 +1,7 @@
 // The head of the job that is shown: what it is called, how far it is, what it waits for, and its notices.
 
 import { element, make, setHidden, setText } from '../elements/dom.js';
-import { acceptance, nameOf, reached, reason, share, speed, timeLeft } from './progress.js';
+import { acceptance, hasEnded, nameOf, reached, reason, share, speed, timeLeft } from './progress.js';
 import { count } from '../elements/numbers.js';
 
 let announced = '';
@@ -13,7 +13,11 @@ export function showHead(job) {
   element('job-state').dataset.state = job.state;
   setText(element('job-facts'), [job.method, job.owner, ...job.tags.map(tag => `#${tag}`)].filter(Boolean).join(' · '));
   element('job-bar').value = share(job);
-  setText(element('job-reached'), `${reached(job)}. ${speed(job)}, ${count(job.workers, 'worker')}. ${acceptance(job).join(' ')}`);
+  setHidden(element('job-bar'), hasEnded(job));
+  setText(
+    element('job-reached'),
+    `${[`${reached(job)}. ${speed(job)}${hasEnded(job) ? '' : `, ${count(job.workers, 'worker')}`}.`, ...acceptance(job)].join(' ')}`,
+  );
   setText(element('job-left'), timeLeft(job));
   setText(element('job-reason'), reason(job));
   setHidden(element('job-reason'), !reason(job));

@@ -61,7 +61,11 @@ function renderRows() {
   const last = Math.min(Math.ceil((list.scrollTop + list.clientHeight) / rowHeight()) + MARGIN, listed.length);
   const shown = listed.slice(first, last);
   const wanted = new Set(shown.map(job => job.id));
-  for (const [id, row] of rows) if (!wanted.has(id)) { row.remove(); rows.delete(id); }
+  for (const [id, row] of rows)
+    if (!wanted.has(id)) {
+      row.remove();
+      rows.delete(id);
+    }
   shown.forEach((job, index) => renderRow(job, first + index));
   const active = rows.get(store.chosen);
   if (active) list.setAttribute('aria-activedescendant', active.id);

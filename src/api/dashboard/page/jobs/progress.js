@@ -1,6 +1,6 @@
 // How far a job is, in numbers and words. Pure functions of its status.
 
-import { count, duration, rate, short } from '../elements/numbers.js';
+import { count, duration, rate, short, time } from '../elements/numbers.js';
 
 export const STATES = ['queued', 'choosing', 'running', 'paused', 'done', 'failed', 'cancelled'];
 
@@ -11,11 +11,7 @@ export const nameOf = job => job.name ?? job.id;
 // The share that is done of whichever part of the stop rule is nearest, 0 to 1.
 export function share(job) {
   if (job.state === 'done') return 1;
-  const parts = [
-    job.passes_total ? job.passes_done / job.passes_total : 0,
-    job.stop.seconds ? job.seconds / job.stop.seconds : 0,
-    errorShare(job),
-  ];
+  const parts = [job.passes_total ? job.passes_done / job.passes_total : 0, job.stop.seconds ? job.seconds / job.stop.seconds : 0, errorShare(job)];
   return Math.min(Math.max(...parts), 1);
 }
 
@@ -49,7 +45,7 @@ export function timeLeft(job) {
 
 // Photons where there are any, else camera samples.
 export function samplesPerSecond(job) {
-  return job.photons_emitted ? job.photons_per_second : job.width * job.height * job.passes_done / Math.max(job.seconds, 1e-9);
+  return job.photons_emitted ? job.photons_per_second : (job.width * job.height * job.passes_done) / Math.max(job.seconds, 1e-9);
 }
 
 export const speed = job => rate(samplesPerSecond(job), job.photons_emitted ? 'photons' : 'samples');
@@ -59,7 +55,7 @@ export function reason(job) {
   if (job.error) return job.error;
   if (job.paused) return `${job.paused}.`;
   if (job.waiting_for_workers_since) {
-    return `It waits for workers since ${new Date(job.waiting_for_workers_since * 1000).toLocaleTimeString()}.`;
+    return `It waits for workers since ${time(job.waiting_for_workers_since * 1000)}.`;
   }
   return job.waiting_for_memory ? 'It waits for memory that other jobs hold.' : '';
 }
@@ -67,6 +63,6 @@ export function reason(job) {
 // How often Markov chains took what was proposed to them, a sentence for each kind.
 export function acceptance(job) {
   const sentence = ({ proposal, proposed, accepted }) =>
-    `${(100 * accepted / Math.max(proposed, 1)).toFixed(0)} % of ${proposal.replaceAll('_', ' ')} accepted.`;
+    `${((100 * accepted) / Math.max(proposed, 1)).toFixed(0)} % of ${proposal.replaceAll('_', ' ')} accepted.`;
   return (job.acceptance ?? []).map(sentence);
 }

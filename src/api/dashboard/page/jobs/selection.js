@@ -12,7 +12,7 @@ function hasWords(job, words) {
 
 const byText = text => (one, other) => text(one).localeCompare(text(other), 'en', { numeric: true });
 const error = job => job.estimated_error?.bound ?? Infinity;
-const left = job => (hasEnded(job) ? Infinity : job.seconds_left ?? 1e300);
+const left = job => (hasEnded(job) ? Infinity : (job.seconds_left ?? 1e300));
 
 // Later jobs have larger ids.
 const newest = (one, other) => (one.id < other.id ? 1 : -1);

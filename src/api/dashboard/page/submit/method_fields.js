@@ -16,7 +16,10 @@ export async function methodFields(chosen, { ofScene }) {
   const current = () => methods.find(({ name }) => name === select.value);
   const showMethod = () => {
     const method = current();
-    setText(summary, method ? [`${method.summary}.`, method.cannot_sample && `Cannot sample: ${method.cannot_sample}.`].filter(Boolean).join(' ') : '');
+    setText(
+      summary,
+      method ? [`${method.summary}.`, method.cannot_sample && `Cannot sample: ${method.cannot_sample}.`].filter(Boolean).join(' ') : '',
+    );
     rows.replaceChildren();
     add.hidden = !method?.parameters.length;
   };
@@ -33,7 +36,11 @@ export async function methodFields(chosen, { ofScene }) {
 }
 
 function parameterRow(parameters) {
-  const name = make('select', { name: 'parameter', 'aria-label': 'Parameter' }, parameters.map(parameter => make('option', { value: parameter.name }, parameter.name)));
+  const name = make(
+    'select',
+    { name: 'parameter', 'aria-label': 'Parameter' },
+    parameters.map(parameter => make('option', { value: parameter.name }, parameter.name)),
+  );
   const value = make('input', { name: 'value', 'aria-label': 'Value', required: true, autocomplete: 'off' });
   const help = make('small');
   const remove = make('button', { type: 'button', 'aria-label': 'Remove this parameter', onclick: () => row.remove() }, '×');

@@ -11,7 +11,9 @@ const extension = name => name.split('.').pop().toLowerCase();
 
 // All files of a drop, folders with what is in them, as `{ name, file }` with names below what was dropped.
 export async function droppedFiles(transfer) {
+  // Only entries know folders, and what no file manager dropped has none.
   const entries = [...transfer.items].map(item => item.webkitGetAsEntry?.()).filter(Boolean);
+  if (!entries.length) return chosenFiles(transfer.files);
   const files = (await Promise.all(entries.map(entry => filesOf(entry, '')))).flat();
   return withoutCommonFolder(files);
 }

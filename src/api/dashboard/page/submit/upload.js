@@ -9,7 +9,13 @@ export function upload(blob, tell) {
     request.open('POST', '/v1/scenes');
     request.setRequestHeader('Content-Type', 'application/octet-stream');
     request.upload.onprogress = event => tell(event.lengthComputable ? event.loaded / event.total : 0);
-    request.onerror = () => reject(new Problem({ detail: 'The upload broke off.', remedy: 'Check that the coordinator answers and that the scene is not larger than it takes; then try again.' }));
+    request.onerror = () =>
+      reject(
+        new Problem({
+          detail: 'The upload broke off.',
+          remedy: 'Check that the coordinator answers and that the scene is not larger than it takes; then try again.',
+        }),
+      );
     request.onload = () => {
       const answer = parse(request.responseText);
       if (request.status === 201) resolve(answer);

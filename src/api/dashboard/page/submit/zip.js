@@ -1,5 +1,5 @@
-// Makes a zip archive of files as they are, without compressing them: the browser reads each once for its checksum, and then the archive refers to it,
-// so a large folder needs no memory. The format is that of PKWARE's APPNOTE 6.3.
+// Makes a zip archive of files as they are, without compressing them: the browser reads each once for its checksum, and then the archive refers to
+// it, so a large folder needs no memory. The format is that of PKWARE's APPNOTE 6.3.
 
 const UTF8_NAMES = 0x0800;
 const VERSION = 20;
@@ -36,17 +36,43 @@ export async function zip(files, comment = '', tell = () => {}) {
     const header = numbers([[0x04034b50, 4], ...common(entry), [entry.name.length, 2], [0, 2]]);
     parts.push(header, entry.name, file);
     offset += header.length + entry.name.length + file.size;
-    const rest = [[entry.name.length, 2], [0, 2], [0, 2], [0, 2], [0, 2], [0, 4], [entry.offset, 4]];
+    const rest = [
+      [entry.name.length, 2],
+      [0, 2],
+      [0, 2],
+      [0, 2],
+      [0, 2],
+      [0, 4],
+      [entry.offset, 4],
+    ];
     directory.push(numbers([[0x02014b50, 4], [VERSION, 2], ...common(entry), ...rest]), entry.name);
   }
   const size = directory.reduce((sum, part) => sum + part.length, 0);
   const text = new TextEncoder().encode(comment);
-  const end = [[0x06054b50, 4], [0, 2], [0, 2], [files.length, 2], [files.length, 2], [size, 4], [offset, 4], [text.length, 2]];
+  const end = [
+    [0x06054b50, 4],
+    [0, 2],
+    [0, 2],
+    [files.length, 2],
+    [files.length, 2],
+    [size, 4],
+    [offset, 4],
+    [text.length, 2],
+  ];
   return new Blob([...parts, ...directory, numbers(end), text], { type: 'application/zip' });
 }
 
 // What both headers of a file have in common. Method 0 stores it as it is.
-const common = ({ sum, size }) => [[VERSION, 2], [UTF8_NAMES, 2], [0, 2], [0, 2], [DATE, 2], [sum, 4], [size, 4], [size, 4]];
+const common = ({ sum, size }) => [
+  [VERSION, 2],
+  [UTF8_NAMES, 2],
+  [0, 2],
+  [0, 2],
+  [DATE, 2],
+  [sum, 4],
+  [size, 4],
+  [size, 4],
+];
 
 // Little-endian numbers, each with its count of bytes.
 function numbers(fields) {

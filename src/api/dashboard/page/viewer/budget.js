@@ -11,5 +11,5 @@ export const pause = () => Math.max(restedAt - performance.now(), 0);
 
 // Notes that so many bytes came.
 export function spend(bytes) {
-  restedAt = Math.max(restedAt, performance.now()) + Math.max(1000 * bytes / BYTES_PER_SECOND, LEAST_PAUSE_MS);
+  restedAt = Math.max(restedAt, performance.now()) + Math.max((1000 * bytes) / BYTES_PER_SECOND, LEAST_PAUSE_MS);
 }

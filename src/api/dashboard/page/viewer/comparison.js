@@ -2,6 +2,7 @@
 
 import { expect, send } from '../connection/api.js';
 import { element, make, setHidden, setText } from '../elements/dom.js';
+import { factsTable } from '../elements/lists.js';
 import { problemNote } from '../elements/problem_note.js';
 import { short } from '../elements/numbers.js';
 import { nameOf } from '../jobs/progress.js';
@@ -16,12 +17,13 @@ let actions = {};
 // Errors over every pixel, once they were asked for, and of which pictures.
 let measured = null;
 let found = null;
+let shown = '';
 
 // `compareWith(id)` and `change(comparison)` do what the controls ask for; `current()` answers the viewer.
 export function startComparison(given) {
   actions = given;
-  const mode = ([value, label]) => make('label', {},
-    make('input', { type: 'radio', name: 'mode', value, onchange: () => actions.change({ mode: value }) }), label);
+  const mode = ([value, label]) =>
+    make('label', {}, make('input', { type: 'radio', name: 'mode', value, onchange: () => actions.change({ mode: value }) }), label);
   element('comparison-modes').append(make('div', { className: 'segments' }, Object.entries(MODES).map(mode)));
   element('other').onchange = event => actions.compareWith(event.target.value || null);
   element('split').oninput = event => actions.change({ split: event.target.valueAsNumber });
@@ -38,7 +40,10 @@ export function listOthers(jobs, job, chosen) {
   const wanted = JSON.stringify(options);
   // A menu that is open must not change under the pointer.
   if (select.dataset.options !== wanted && document.activeElement !== select) {
-    select.replaceChildren(make('option', { value: '' }, options.length ? 'nothing' : 'no other job fits'), ...options.map(([value, text]) => make('option', { value }, text)));
+    select.replaceChildren(
+      make('option', { value: '' }, options.length ? 'nothing' : 'no other job fits'),
+      ...options.map(([value, text]) => make('option', { value }, text)),
+    );
     select.dataset.options = wanted;
   }
   if (select.value !== (chosen ?? '')) select.value = chosen ?? '';
@@ -63,13 +68,19 @@ function showErrors(sources, layer) {
   const isMeasured = measured && measured.sources.every((source, index) => source === sources[index]);
   const { rmse, relmse } = isMeasured ? measured : found;
   const side = 2 ** one.level;
-  const rows = [['RMSE', `${short(rmse)} ${layerNamed(layer).unit}`], ['relMSE', short(relmse)]];
-  element('errors').replaceChildren(...rows.map(([name, value]) => make('tr', {}, make('th', { scope: 'row' }, name), make('td', { className: 'numbers' }, value))));
-  const how = isMeasured ? `of every pixel, at passes ${measured.passes.join(' and ')}`
-    : side > 1 ? `of means over ${side} × ${side} pixels, which are less noisy than pixels` : 'of every pixel';
-  setText(element('errors-note'), `The other job is the reference. ${how[0].toUpperCase()}${how.slice(1)}.`);
   setHidden(element('measure'), side === 1);
+  setText(element('errors-note'), `The other job is the reference. ${isMeasured ? measured.of : pixelsOf(side)}`);
+  const rows = [
+    ['RMSE', `${short(rmse)} ${layerNamed(layer).unit}`],
+    ['relMSE', short(relmse)],
+  ];
+  const text = JSON.stringify(rows);
+  if (text === shown) return;
+  shown = text;
+  element('errors').replaceChildren(factsTable(rows, 'Error against the other job'));
 }
+
+const pixelsOf = side => (side > 1 ? `Of means over ${side} × ${side} pixels, which are less noisy than pixels.` : 'Of every pixel.');
 
 // Fetches both pictures whole: what an overview tells is less than the error of pixels.
 async function measure() {
@@ -83,7 +94,8 @@ async function measure() {
     const pictures = [await whole(sources[0]), await whole(sources[1])];
     const channels = pictures[0].headers.get('photonfarm-channels').split(',').length;
     const passes = pictures.map(picture => picture.headers.get('photonfarm-passes'));
-    measured = { sources: [...sources], passes, ...errors(pictures[0].values, pictures[1].values, channels) };
+    const of = `Of every pixel, at passes ${passes.join(' and ')}.`;
+    measured = { sources: [...sources], of, ...errors(pictures[0].values, pictures[1].values, channels) };
     actions.change({});
   } catch (problem) {
     element('errors-note').replaceChildren(problemNote(problem));

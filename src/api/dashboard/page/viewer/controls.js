@@ -12,8 +12,13 @@ let shownLayer = 'color';
 
 // `changeLayer` is called with a layer's name.
 export function startControls(changeLayer) {
-  const layer = ({ name, label }, index) => make('label', { title: `${label} (${index + 1})` },
-    make('input', { type: 'radio', name: 'layer', value: name, onchange: () => changeLayer(name) }), label);
+  const layer = ({ name, label }, index) =>
+    make(
+      'label',
+      { title: `${label} (${index + 1})` },
+      make('input', { type: 'radio', name: 'layer', value: name, onchange: () => changeLayer(name) }),
+      label,
+    );
   element('layers').append(make('div', { className: 'segments' }, LAYERS.map(layer)));
   element('curve').append(...Object.entries(CURVES).map(([value, { label }]) => make('option', { value }, label)));
   element('exposure').oninput = event => changeLook({ exposure: event.target.valueAsNumber });

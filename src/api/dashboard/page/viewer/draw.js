@@ -11,7 +11,12 @@ const CHANNEL_COLORS = { R: '#ff9a8f', G: '#9be08a', B: '#9fc4ff', X: '#ff9a8f',
 
 // `frame` has: `context`, `screen`, `ratio` (device pixels of a CSS pixel), `view`, `layer`, `scale`, `sources` (one or two) and `comparison`.
 export function drawFrame(frame) {
-  const { context, screen, sources: [first, second], comparison } = frame;
+  const {
+    context,
+    screen,
+    sources: [first, second],
+    comparison,
+  } = frame;
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.clearRect(0, 0, screen.width, screen.height);
   if (!first) return;
@@ -23,7 +28,13 @@ export function drawFrame(frame) {
 }
 
 function drawSplit(frame) {
-  const { context, screen, ratio, sources: [first, second], comparison } = frame;
+  const {
+    context,
+    screen,
+    ratio,
+    sources: [first, second],
+    comparison,
+  } = frame;
   const line = Math.round(screen.width * comparison.split);
   const half = (source, left, width) => {
     context.save();

@@ -43,10 +43,10 @@ function draw({ values, channels }, { largest }, layer) {
     list.forEach((number, bin) => {
       // The square root lets rare values be seen, too.
       const size = height * Math.sqrt(number / most);
-      context.fillRect(bin * width / BINS, height - size, Math.ceil(width / BINS), size);
+      context.fillRect((bin * width) / BINS, height - size, Math.ceil(width / BINS), size);
     });
   });
-  if (layerNamed(layer).kind === 'color') drawWhite(context, (-look.exposure - from) / (to - from) * width);
+  if (layerNamed(layer).kind === 'color') drawWhite(context, ((-look.exposure - from) / (to - from)) * width);
 }
 
 function lowest(values, to) {

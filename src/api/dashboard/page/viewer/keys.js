@@ -42,7 +42,7 @@ const byKey = new Map(KEYS.map(row => [row[0], row]));
 // `actions` has a function for each name in the table.
 export function followKeys(actions) {
   document.addEventListener('keydown', event => {
-    if (event.ctrlKey || event.altKey || event.metaKey || isTyping(event.target) || document.querySelector('dialog[open]')) return;
+    if (event.ctrlKey || event.altKey || event.metaKey || isTaken(event) || document.querySelector('dialog[open]')) return;
     const isShifted = event.shiftKey && event.key.startsWith('Arrow');
     const row = byKey.get(isShifted ? `Shift+${event.key}` : event.key === '=' ? '+' : event.key);
     if (!row) return;
@@ -51,11 +51,16 @@ export function followKeys(actions) {
   });
 }
 
-// Keys in a field, a list or among tabs mean something else there.
-const isTyping = target => target.closest('input, select, textarea, summary, [role=tablist]') !== null;
+// What is typed into a field belongs there, and so do arrows in a control that knows them.
+function isTaken({ target, key }) {
+  if (target.closest('input:not([type=radio], [type=checkbox], [type=range]), select, textarea')) return true;
+  return key.startsWith('Arrow') && target.closest('input, [role=tablist]') !== null;
+}
 
 export function showKeys() {
-  const rows = KEYS.filter(row => row[1]).map(([, key, meaning]) => make('tr', {}, make('th', { scope: 'row' }, make('kbd', {}, key)), make('td', {}, meaning)));
+  const rows = KEYS.filter(row => row[1]).map(([, key, meaning]) =>
+    make('tr', {}, make('th', { scope: 'row' }, make('kbd', {}, key)), make('td', {}, meaning)),
+  );
   const pointer = 'Drag moves the picture; the wheel or two fingers zoom. Close up, the pixels show their values.';
   openNote('Keys', [make('table', { className: 'keys' }, make('tbody', {}, rows)), make('p', {}, pointer)]);
 }

@@ -12,7 +12,9 @@ const GAMMAS = [0.2, 6];
 export const look = { ...DEFAULT_LOOK, table: toneTable(DEFAULT_LOOK), version: 0 };
 
 let tell = () => {};
-export const onLook = listener => { tell = listener; };
+export const onLook = listener => {
+  tell = listener;
+};
 
 export function changeLook(changes) {
   const within = (value, low, high) => Math.min(Math.max(value, low), high);

@@ -16,7 +16,7 @@ export const pixelOf = ([red, green, blue]) => (OPAQUE | (blue << 16) | (green <
 
 export function colorAt(share) {
   const between = ([from, to]) => from + share * (to - from);
-  const hue = between(HUE_DEGREES) * Math.PI / 180;
+  const hue = (between(HUE_DEGREES) * Math.PI) / 180;
   return fromOklab([between(LIGHTNESS), CHROMA * Math.cos(hue), CHROMA * Math.sin(hue)]);
 }
 

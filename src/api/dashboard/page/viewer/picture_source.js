@@ -1,5 +1,5 @@
-// One layer of one job's picture, in tiles as they come from the coordinator: first all of it coarsely, then the tiles that are seen at the level that
-// the zoom needs. Tiles that are there are refreshed when there are new passes, one after the other and within the budget.
+// One layer of one job's picture, in tiles as they come from the coordinator: first all of it coarsely, then the tiles that are seen, at the
+// level that the zoom needs. Tiles that are there are refreshed when there are new passes, one after the other and within the budget.
 
 import { send } from '../connection/api.js';
 import { pause, spend } from './budget.js';
@@ -98,7 +98,7 @@ export class PictureSource {
   }
 
   async fail(answer) {
-    const problem = answer && await answer.json().catch(() => ({}));
+    const problem = answer && (await answer.json().catch(() => ({})));
     const seconds = Number(answer?.headers.get('retry-after')) || RETRY_MS / 1000;
     this.retryAt = performance.now() + 1000 * seconds;
     // Without an answer the page says so elsewhere; before the first pass there is nothing to say.

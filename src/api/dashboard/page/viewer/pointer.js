@@ -4,8 +4,8 @@ const WHEEL_SPEED = 0.0016;
 // How near to the line a pointer takes hold of it, CSS pixels.
 const LINE_REACH = 12;
 
-// `actions` has: `move(distance)`, `zoom(at, factor)`, `point(at or null)`, `split(share)`, and `lineAt()`, which answers the line's x or null. All in
-// CSS pixels of the canvas.
+// `actions` has: `move(distance)`, `zoom(at, factor)`, `point(at or null)`, `split(share)`, and `lineAt()`, which answers the line's x or null. All
+// in CSS pixels of the canvas.
 export function followPointer(canvas, actions) {
   const pointers = new Map();
   let holdsLine = false;
@@ -13,12 +13,16 @@ export function followPointer(canvas, actions) {
     const box = canvas.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   };
-  canvas.addEventListener('wheel', event => {
-    event.preventDefault();
-    // Lines are told by a mouse wheel in some browsers.
-    const distance = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1) * (event.ctrlKey ? 6 : 1);
-    actions.zoom(place(event), Math.exp(-distance * WHEEL_SPEED));
-  }, { passive: false });
+  canvas.addEventListener(
+    'wheel',
+    event => {
+      event.preventDefault();
+      // Lines are told by a mouse wheel in some browsers.
+      const distance = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1) * (event.ctrlKey ? 6 : 1);
+      actions.zoom(place(event), Math.exp(-distance * WHEEL_SPEED));
+    },
+    { passive: false },
+  );
   canvas.addEventListener('pointerdown', event => {
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, place(event));

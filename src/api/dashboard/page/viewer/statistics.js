@@ -9,19 +9,31 @@ export const NOTHING_SEEN = 1e10;
 
 // A scale that covers all but a few values; `null` where there is none.
 export function scaleOf(values) {
-  const sorted = values.filter(value => Number.isFinite(value) && Math.abs(value) < NOTHING_SEEN).sort();
-  if (!sorted.length) return null;
-  const skipped = Math.floor(OUTSIDE * (sorted.length - 1));
-  const [low, high] = [sorted[skipped], sorted[sorted.length - 1 - skipped]];
+  const known = values.filter(value => Number.isFinite(value) && Math.abs(value) < NOTHING_SEEN);
+  if (!known.length) return null;
+  const positive = known.filter(value => value > 0);
+  // Zeros, where no light is, have no place on a logarithmic scale, and yet most others may need one.
+  if (positive.length > known.length / 2 && known.every(value => value >= 0)) {
+    const [low, high] = innerRange(positive);
+    if (high / low > LOGARITHMIC_FROM) return { low, high, isLogarithmic: true };
+  }
+  const [low, high] = innerRange(known);
   if (low === high) return { low: low - Math.abs(low || 1) / 2, high: high + Math.abs(high || 1) / 2, isLogarithmic: false };
-  return { low, high, isLogarithmic: low > 0 && high / low > LOGARITHMIC_FROM };
+  return { low, high, isLogarithmic: false };
+}
+
+// The least and the largest value, a few left out.
+function innerRange(values) {
+  const sorted = values.slice().sort();
+  const skipped = Math.floor(OUTSIDE * (sorted.length - 1));
+  return [sorted[skipped], sorted[sorted.length - 1 - skipped]];
 }
 
 // Counts of values in equal steps of log2 from `from` to `to`, one list for each channel. What is not above 0 or lies outside is not counted.
 export function histogram(values, channels, { from, to, bins }) {
   const counts = Array.from({ length: channels }, () => new Uint32Array(bins));
   for (let index = 0; index < values.length; index++) {
-    const bin = Math.floor((Math.log2(values[index]) - from) / (to - from) * bins);
+    const bin = Math.floor(((Math.log2(values[index]) - from) / (to - from)) * bins);
     if (bin >= 0 && bin < bins) counts[index % channels][bin]++;
   }
   return counts;

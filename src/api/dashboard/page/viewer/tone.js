@@ -16,7 +16,7 @@ export const CURVES = {
   gamma: { label: 'gamma', of: (value, gamma) => clamp(value) ** (1 / gamma) },
   linear: { label: 'linear', of: clamp },
   // Narkowicz 2015, "ACES Filmic Tone Mapping Curve".
-  filmic: { label: 'filmic', of: value => encodeSrgb(clamp(value * (2.51 * value + 0.03) / (value * (2.43 * value + 0.59) + 0.14))) },
+  filmic: { label: 'filmic', of: value => encodeSrgb(clamp((value * (2.51 * value + 0.03)) / (value * (2.43 * value + 0.59) + 0.14))) },
 };
 
 export function toneTable({ curve, exposure, gamma }) {

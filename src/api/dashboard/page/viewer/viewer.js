@@ -37,7 +37,10 @@ export function startViewer() {
   followPointer(canvas, {
     move: ({ x, y }) => change(moved(currentView(), size(), { x: x * ratio(), y: y * ratio() })),
     zoom: (at, factor) => change(zoomedAt(currentView(), screen(), { x: at.x * ratio(), y: at.y * ratio() }, factor)),
-    point: at => { viewer.pointer = at; redraw(); },
+    point: at => {
+      viewer.pointer = at;
+      redraw();
+    },
     split: share => changeComparison({ split: Math.min(Math.max(share, 0), 1) }),
     lineAt: () => (isSplit() ? viewer.comparison.split * canvas.clientWidth : null),
   });
@@ -130,7 +133,10 @@ function wantTiles(source, view, job) {
 
 // Why there is no picture, or nothing new.
 function showNote() {
-  const { job, sources: [source] } = viewer;
+  const {
+    job,
+    sources: [source],
+  } = viewer;
   let text = '';
   if (job && !source?.overview) {
     if (!job.passes_done && hasEnded(job)) text = 'There is no picture: the job ended before its first pass.';

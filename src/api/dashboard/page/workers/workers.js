@@ -27,7 +27,7 @@ export function noteWorkers(workers) {
 function perMinute(id) {
   const list = notes.get(id) ?? [];
   const [first, last] = [list[0], list.at(-1)];
-  return list.length > 1 ? (last.done - first.done) / (last.at - first.at) * 60000 : null;
+  return list.length > 1 ? ((last.done - first.done) / (last.at - first.at)) * 60000 : null;
 }
 
 export function showWorkers(workers) {
@@ -37,13 +37,24 @@ export function showWorkers(workers) {
   const rows = workers.map(rowOf);
   if (JSON.stringify(rows) === shown) return;
   shown = JSON.stringify(rows);
-  const cell = (text, index) => make(index ? 'td' : 'th', { className: index >= 2 && index <= 5 ? 'number' : '', scope: index ? undefined : 'row' }, text);
+  const cell = (text, index) =>
+    make(index ? 'td' : 'th', { className: index >= 2 && index <= 5 ? 'number' : '', scope: index ? undefined : 'row' }, text);
   element('workers-rows').replaceChildren(...rows.map(row => make('tr', {}, row.map(cell))));
-  [...element('workers-rows').rows].forEach((row, index) => { row.dataset.state = workers[index].state; });
+  [...element('workers-rows').rows].forEach((row, index) => {
+    row.dataset.state = workers[index].state;
+  });
 }
 
 function rowOf(worker) {
   const rate = perMinute(worker.id);
-  return [worker.name, worker.state.replace('_', ' '), String(worker.threads), String(worker.leases), worker.shards_done.toLocaleString('en'),
-    rate === null ? '–' : rate.toFixed(0), `${duration(worker.idle_seconds)} ago`, worker.set_aside ?? ''];
+  return [
+    worker.name,
+    worker.state.replace('_', ' '),
+    String(worker.threads),
+    String(worker.leases),
+    worker.shards_done.toLocaleString('en'),
+    rate === null ? '–' : rate.toFixed(0),
+    `${duration(worker.idle_seconds)} ago`,
+    worker.set_aside ?? '',
+  ];
 }
