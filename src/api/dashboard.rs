@@ -80,7 +80,9 @@ pub fn routes() -> Router {
         get(move || async move { ([(header::CONTENT_TYPE, media_type)], text).into_response() })
     };
     let page = Router::new().route("/", file(PAGE, include_str!("dashboard/page.html")));
-    FILES.iter().fold(page, |router, (path, media_type, text)| router.route(&format!("/{path}"), file(media_type, text)))
+    FILES
+        .iter()
+        .fold(page, |router, (path, media_type, text)| router.route(&format!("/{path}"), file(media_type, text)))
 }
 
 #[cfg(test)]
@@ -99,7 +101,8 @@ mod tests {
     fn every_file_of_the_page_is_served() {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/api/dashboard");
         let below = |path: &PathBuf| path.strip_prefix(&folder).expect("below").to_string_lossy().replace('\\', "/");
-        let mut there: Vec<String> = files_below(&folder).iter().map(below).filter(|name| name != "page.html").collect();
+        let mut there: Vec<String> =
+            files_below(&folder).iter().map(below).filter(|name| name != "page.html").collect();
         there.sort();
         let mut served: Vec<&str> = FILES.iter().map(|(path, ..)| *path).collect();
         served.sort_unstable();

@@ -31,7 +31,7 @@ def test_b_a_coordinator_that_is_away_is_told_and_one_that_forgot_is_believed(ow
     expect(page.locator("#away")).to_be_hidden(timeout=15000)
     expect(row(page, job)).to_have_count(0)
     expect(page.locator("#job")).to_be_hidden()
-    expect(page.locator("#no-job-text")).to_be_visible()
+    expect(page.locator("#no-job-text")).to_contain_text(f"There is no job {job} here")
     again = own_farm.submit("found")
     expect(row(page, again)).to_contain_text("found")
 

@@ -77,6 +77,8 @@ function showJobs(jobs) {
   if (!job && !route.job && WIDE.matches && firstListed()) location.replace(`#/jobs/${firstListed().id}`);
   setHidden(element('job'), !job);
   setHidden(element('no-job'), Boolean(job));
+  const isGone = route.job && store.connection.state === 'live';
+  setText(element('gone'), isGone ? `There is no job ${route.job} here, or not any more. ` : '');
   showPicture(job ?? null, jobs.get(other));
   document.title = job ? `${job.name ?? job.id}: ${job.state} – photonfarm` : 'photonfarm';
   if (!job) return;
