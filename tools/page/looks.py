@@ -47,7 +47,8 @@ def point_at(page, size, x, y):
 def values(page):
     """The numbers that the viewer tells of a pixel, by channel; of two pictures, A first."""
     text = page.locator("#readout").inner_text()
-    return [(channel, float(value.replace("−", "-").replace("∞", "inf"))) for channel, value in re.findall(r"\b([RGBXYZ]) ([−-]?[\d.]\S*|[−]?∞|NaN)", text)]
+    number = lambda value: float(value.replace("−", "-").replace("∞", "inf"))
+    return [(channel, number(value)) for channel, value in re.findall(r"\b([RGBXYZ]) ([−-]?[\d.]\S*|[−]?∞|NaN)", text)]
 
 
 def screen_color(page, size, x, y):

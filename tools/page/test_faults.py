@@ -136,7 +136,8 @@ def test_g_the_keyboard_reaches_everything_and_shows_where_it_is(farm, open_page
           return [document.activeElement, holder].some(element => getComputedStyle(element).outlineStyle !== 'none');
         }""")
         assert outline or page.evaluate("document.activeElement === document.body"), page.evaluate(focus)
-    wanted = {"list", "text-filter", "state-filter", "order", "action-clone", "action-delete", "link-exr", "picture", "zoom-fit", "tab-look", "exposure", "curve"}
+    wanted = {"list", "text-filter", "state-filter", "order", "action-clone", "action-delete", "link-exr", "picture", "zoom-fit", "tab-look",
+              "exposure", "curve"}
     assert wanted <= reached, wanted - reached
     page.locator("#list").focus()
     page.keyboard.press("Home")

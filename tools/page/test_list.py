@@ -9,7 +9,8 @@ from looks import row
 TELL_OF_MANY = """async count => {
   const { hear } = await import('/page/store.js');
   const job = index => ({
-    id: `job${String(index).padStart(6, '0')}`, name: `frame ${index}`, state: index % 3 ? 'done' : 'running', tags: [`shot${index % 7}`], owner: null,
+    id: `job${String(index).padStart(6, '0')}`, name: `frame ${index}`, state: index % 3 ? 'done' : 'running', owner: null,
+    tags: [`shot${index % 7}`],
     priority: 100, method: 'sppm', parameters: {}, stop: { passes: 8 }, passes_done: 0, passes_total: 8, width: 64, height: 64, seconds: 1,
     photons_emitted: 0, photons_per_second: 0, workers: 0, notices: [], picture_version: 0, submitted: 0, scene: '', links: {},
   });
@@ -58,7 +59,8 @@ def test_a_filter_and_an_order_are_followed(farm, open_page):
     page.locator("#state-filter").select_option("done")
     page.locator("#order").select_option("name")
     wait_until(lambda: page.evaluate("[...document.querySelectorAll('.row .state')].every(state => state.textContent === 'done')"), "other states")
-    shown = page.evaluate("[...document.querySelectorAll('.row')].sort((a, b) => a.ariaPosInSet - b.ariaPosInSet).map(row => row.querySelector('.name').textContent)")
+    shown = page.evaluate("""[...document.querySelectorAll('.row')].sort((a, b) => a.ariaPosInSet - b.ariaPosInSet)
+        .map(row => row.querySelector('.name').textContent)""")
     assert shown == sorted(shown) and "amber" in shown
 
 
@@ -76,8 +78,14 @@ def test_ten_thousand_jobs_scroll_smoothly(farm, open_page):
 
 def test_thumbnails_are_asked_for_one_at_a_time_and_not_again(farm, context, open_page):
     asked, open_now, most = [], set(), []
-    is_thumbnail = lambda request: "/pixels?level=" in request.url
-    context.on("request", lambda request: (asked.append(request.url), open_now.add(request), most.append(len(open_now))) if is_thumbnail(request) else None)
+
+    def note(request):
+        if "/pixels?level=" in request.url:
+            asked.append(request.url)
+            open_now.add(request)
+            most.append(len(open_now))
+
+    context.on("request", note)
     context.on("requestfinished", lambda request: open_now.discard(request))
     page = open_page(farm, "#/workers")
     assert asked == []

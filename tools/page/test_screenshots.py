@@ -47,7 +47,8 @@ def fill(farm):
     for scene, name in zip(SCENES, NAMES):
         path = ROOT / f"scenes/{scene}/scene.xml"
         jobs[name] = farm.submit(name, passes=24, size=160, scene=path, tags=["dailies"])
-    jobs["second"] = farm.submit("glass and mirror, vcm", passes=24, size=160, method="vcm", scene=ROOT / "scenes/cornell-glass-mirror/scene.xml", tags=["dailies"])
+    glass = ROOT / "scenes/cornell-glass-mirror/scene.xml"
+    jobs["second"] = farm.submit("glass and mirror, vcm", passes=24, size=160, method="vcm", scene=glass, tags=["dailies"])
     jobs["running"] = farm.submit("box to an error", size=176, stop={"error": 0.0002}, tags=["night"])
     farm.wait(jobs["second"])
     for job in jobs.values():

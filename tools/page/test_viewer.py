@@ -82,7 +82,8 @@ def srgb(value):
 def assert_shown(page, exr, place, curve):
     x, y = place
     expected = [curve(float(exr[name][y, x])) for name in "RGB"]
-    wait_until(lambda: all(abs(a - b) <= 1.01 for a, b in zip(screen_color(page, SIZE, x, y), expected)), f"{screen_color(page, SIZE, x, y)}, not {expected}", 3)
+    is_near = lambda: numpy.allclose(screen_color(page, SIZE, x, y), expected, rtol=0, atol=1.01)
+    wait_until(is_near, f"the color at {place} is not {expected}", 3)
 
 
 def test_exposure_curve_and_gamma_are_those_that_are_told(farm, exr, open_page):
@@ -109,6 +110,7 @@ def test_false_colors_follow_the_scale(farm, exr, open_page):
     page = open_page(farm, f"#/jobs/{farm.done}")
     wait_for_picture(page)
     page.keyboard.press("c")
+    expect(page.locator("#exposure")).to_be_hidden()
     page.get_by_label("from").fill("0")
     page.get_by_label("to", exact=True).fill("1")
     page.get_by_label("to", exact=True).press("Tab")
@@ -232,6 +234,10 @@ def errors(farm, folder, job, reference):
     return math.sqrt(squares.mean()), (squares / (other.mean(axis=-1) ** 2 + 1e-3 * other.mean() ** 2)).mean()
 
 
+def told_errors(page):
+    return [float(row.split("\t")[1].split()[0]) for row in page.locator("#errors").inner_text().splitlines() if "\t" in row]
+
+
 def test_two_jobs_are_compared(farm, exr, open_page, tmp_path):
     other = exr_of(farm, farm.other, tmp_path, "")
     page = open_page(farm, f"#/jobs/{farm.done}")
@@ -239,8 +245,7 @@ def test_two_jobs_are_compared(farm, exr, open_page, tmp_path):
     page.locator("#tab-compare").click()
     page.locator("#other").select_option(farm.other)
     expect(page.locator("#errors")).to_contain_text("relMSE")
-    told = [float(row.split("\t")[1].split()[0]) for row in page.locator("#errors").inner_text().splitlines() if "\t" in row]
-    numpy.testing.assert_allclose(told, errors(farm, tmp_path, farm.done, farm.other), rtol=6e-3)
+    numpy.testing.assert_allclose(told_errors(page), errors(farm, tmp_path, farm.done, farm.other), rtol=6e-3)
     # The line stands in the middle: A is left of it, B right of it.
     page.locator("#split").focus()
     point_at(page, SIZE, 10, 30)
@@ -276,5 +281,19 @@ def test_a_large_picture_comes_coarse_first_and_only_as_far_as_it_is_seen(farm, 
     wait_until(lambda: any("format=float" in url for url in asked), "no exact values")
     page.wait_for_timeout(500)
     assert all("level=0" in url for url in asked if "format=float" in url) and len(asked) < 20, asked
-    page.keyboard.press("f")
+
+
+def test_errors_of_large_pictures_are_those_of_means_until_every_pixel_is_measured(farm, open_page, tmp_path):
+    job, other = [farm.submit(f"large {seed}", passes=2, size=300, method="path", seed=seed) for seed in (1, 2)]
+    farm.wait(other)
+    farm.wait(job)
+    page = open_page(farm, f"#/jobs/{job}")
+    wait_for_picture(page)
     page.locator("#tab-compare").click()
+    page.locator("#other").select_option(other)
+    expect(page.locator("#errors-note")).to_contain_text("means over 2 × 2 pixels")
+    expected = errors(farm, tmp_path, job, other)
+    assert told_errors(page)[1] < 0.7 * expected[1]
+    page.locator("#measure").click()
+    expect(page.locator("#errors-note")).to_contain_text("Of every pixel, at passes 2 and 2")
+    numpy.testing.assert_allclose(told_errors(page), expected, rtol=6e-3)

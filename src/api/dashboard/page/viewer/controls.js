@@ -2,7 +2,7 @@
 
 import { element, make, setHidden, setText } from '../elements/dom.js';
 import { short } from '../elements/numbers.js';
-import { LAYERS } from './layers.js';
+import { LAYERS, layerNamed } from './layers.js';
 import { DEFAULT_LOOK, changeLook, chooseScale, isScaleChosen, look, usesScale } from './look.js';
 import { PALETTE } from './palette.js';
 import { CURVES } from './tone.js';
@@ -57,12 +57,22 @@ export function showControls({ layer }, scale) {
   setText(element('exposure-value'), `${look.exposure > 0 ? '+' : ''}${look.exposure}`);
   set('gamma', look.gamma);
   setText(element('gamma-value'), String(look.gamma));
-  element('gamma').closest('.control').hidden = look.curve !== 'gamma';
   set('curve', look.curve);
   element('false-color').checked = look.isFalseColor;
-  setHidden(element('scale'), !usesScale(layer));
+  showOnlyUseful(layer);
   setHidden(element('scale-auto'), !isScaleChosen(layer));
   if (scale && scale !== shownScale) showScale(scale);
+}
+
+// What would change nothing is not there.
+function showOnlyUseful(layer) {
+  const isColor = layerNamed(layer).kind === 'color';
+  const hasTone = isColor && !look.isFalseColor;
+  setHidden(element('exposure').closest('.control'), !hasTone);
+  setHidden(element('curve').closest('.control'), !hasTone);
+  setHidden(element('gamma').closest('.control'), !hasTone || look.curve !== 'gamma');
+  setHidden(element('false-color').closest('p'), !isColor);
+  setHidden(element('scale'), !usesScale(layer));
 }
 
 function showScale(scale) {
