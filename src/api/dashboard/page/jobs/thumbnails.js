@@ -9,7 +9,7 @@ import { toneTable } from '../viewer/tone.js';
 import { hasEnded } from './progress.js';
 import { THUMBNAIL } from './row.js';
 
-// A running job's row gets a new picture this often at most.
+// One running job's row gets a new picture this often at most, of several each so much more seldom: making it costs the coordinator something.
 const REFRESH_MS = 15000;
 // Rows that are only passed by while scrolling are not asked for.
 const REST_MS = 250;
@@ -46,10 +46,11 @@ async function work() {
 }
 
 function next() {
+  const running = wanted.filter(job => !hasEnded(job)).length;
   const isDue = job => {
     const old = kept.get(job.id);
     if (!job.passes_done || old?.version === job.picture_version) return false;
-    return !old || hasEnded(job) || performance.now() - old.at > REFRESH_MS;
+    return !old || hasEnded(job) || performance.now() - old.at > REFRESH_MS * running;
   };
   return wanted.find(isDue);
 }
