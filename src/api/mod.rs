@@ -9,7 +9,7 @@
 //! | [`security_headers`] | what every answer tells browsers not to do |
 //! | [`guard`] | who may use which endpoint |
 //! | [`session`], [`provider_login`], [`members`] | who one is; users and tokens |
-//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`pixels`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
 //! | [`standby`] | what is answered while another coordinator leads |
 //! | [`openapi`] | the description of all this, generated from the handlers |
 
@@ -17,6 +17,7 @@ pub mod dashboard;
 pub mod events;
 pub mod extract;
 pub mod guard;
+pub mod history;
 pub mod images;
 pub mod job_control;
 pub mod jobs;
@@ -26,6 +27,7 @@ pub mod members;
 pub mod methods;
 pub mod metrics;
 pub mod openapi;
+pub mod pixels;
 pub mod preferences;
 pub mod problem;
 pub mod provider_login;
@@ -38,7 +40,7 @@ mod unique_keys;
 pub mod webhooks;
 pub mod workers;
 
-use axum::Router;
+use axum::{Extension, Router};
 use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::middleware::{Next, from_fn_with_state, map_response};
 use axum::response::Response;
@@ -49,6 +51,7 @@ use utoipa_axum::routes;
 
 use crate::farm::http::visitor;
 use crate::farm::{CoordinatorHandle, Limits};
+use pixels::PixelCache;
 use problem::Problem;
 
 /// What the endpoints share.
@@ -107,6 +110,8 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(images::image_png))
         .routes(routes!(images::image_exr))
         .routes(routes!(images::chart_svg))
+        .routes(routes!(history::history))
+        .merge(OpenApiRouter::new().routes(routes!(pixels::pixels)).layer(Extension(PixelCache::default())))
         .routes(routes!(maps::map_png))
         .routes(routes!(maps::map_svg))
         .routes(routes!(methods::list_methods))

@@ -1,0 +1,56 @@
+// Pointers on the picture: drag to move, wheel and two fingers to zoom, and the line between two pictures that are compared.
+
+const WHEEL_SPEED = 0.0016;
+// How near to the line a pointer takes hold of it, CSS pixels.
+const LINE_REACH = 12;
+
+// `actions` has: `move(distance)`, `zoom(at, factor)`, `point(at or null)`, `split(share)`, and `lineAt()`, which answers the line's x or null. All
+// in CSS pixels of the canvas.
+export function followPointer(canvas, actions) {
+  const pointers = new Map();
+  let holdsLine = false;
+  const place = event => {
+    const box = canvas.getBoundingClientRect();
+    return { x: event.clientX - box.left, y: event.clientY - box.top };
+  };
+  canvas.addEventListener(
+    'wheel',
+    event => {
+      event.preventDefault();
+      // Lines are told by a mouse wheel in some browsers.
+      const distance = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1) * (event.ctrlKey ? 6 : 1);
+      actions.zoom(place(event), Math.exp(-distance * WHEEL_SPEED));
+    },
+    { passive: false },
+  );
+  canvas.addEventListener('pointerdown', event => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, place(event));
+    const line = actions.lineAt();
+    holdsLine = pointers.size === 1 && line !== null && Math.abs(place(event).x - line) < LINE_REACH;
+  });
+  canvas.addEventListener('pointermove', event => {
+    const at = place(event);
+    actions.point(at);
+    const before = pointers.get(event.pointerId);
+    if (!before) return;
+    if (holdsLine) actions.split(at.x / canvas.clientWidth);
+    else if (pointers.size === 1) actions.move({ x: at.x - before.x, y: at.y - before.y });
+    else pinch(pointers, event.pointerId, at, actions);
+    pointers.set(event.pointerId, at);
+  });
+  const release = event => pointers.delete(event.pointerId);
+  canvas.addEventListener('pointerup', release);
+  canvas.addEventListener('pointercancel', release);
+  canvas.addEventListener('pointerleave', () => actions.point(null));
+}
+
+// The point between two fingers stays under them.
+function pinch(pointers, moving, at, actions) {
+  const [still] = [...pointers].filter(([id]) => id !== moving).map(([, place]) => place);
+  const before = pointers.get(moving);
+  const distance = (one, other) => Math.max(Math.hypot(one.x - other.x, one.y - other.y), 1);
+  const middle = { x: (still.x + at.x) / 2, y: (still.y + at.y) / 2 };
+  actions.move({ x: (at.x - before.x) / 2, y: (at.y - before.y) / 2 });
+  actions.zoom(middle, distance(still, at) / distance(still, before));
+}
