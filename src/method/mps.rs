@@ -35,8 +35,8 @@ use crate::transport::counters::Step;
 use super::bounded_numbers::bounded;
 use super::parameters::parameter;
 use super::photon_map::{
-    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, FINAL_GATHER,
-    GatherRays, LARGEST_RADIUS, NEIGHBORS, Neighbors,
+    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, GatherRays,
+    LARGEST_RADIUS, NEIGHBORS, Neighbors,
 };
 
 /// The row of the table.
@@ -53,6 +53,11 @@ pub const ENTRY: MethodEntry = MethodEntry {
     media: false,
     read: read_method::<Parameters>,
 };
+
+bounded! {
+    /// Gather rays of a camera path.
+    struct Rays(u32), [1 to 1024]
+}
 
 bounded! {
     /// K, ways from a photon to the eye.
@@ -80,7 +85,7 @@ parameters! {
         neighbors: Neighbors = NEIGHBORS,
         caustic_neighbors: Neighbors = CAUSTIC_NEIGHBORS,
         largest_radius: Auto<Radius> = LARGEST_RADIUS,
-        final_gather: GatherRays = FINAL_GATHER,
+        final_gather: Rays = parameter("gather rays per camera path", Rays(4), "4"),
         cache_error: Switchable<CacheError> = CACHE_ERROR,
         cache_rays: Auto<CacheRays> = CACHE_RAYS,
         camera_paths: CameraPaths = CAMERA_PATHS,
@@ -113,12 +118,7 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn contradiction(&self) -> Option<Contradiction> {
-        let without_gather = (self.final_gather.get() == 0).then(|| Contradiction {
-            problem: "final_gather is 0, and photons lie where rays gather".to_owned(),
-            remedy: "give it some rays, or choose photon_map".to_owned(),
-        });
-        let chosen = self.chosen().contradiction(&self.user_paths);
-        chosen.or(without_gather).or_else(|| self.second_pass().contradiction())
+        self.chosen().contradiction(&self.user_paths).or_else(|| self.second_pass().contradiction())
     }
 
     fn names_places(&self) -> bool {
@@ -162,7 +162,7 @@ impl Parameters {
             neighbors: self.neighbors,
             caustic_neighbors: self.caustic_neighbors,
             largest_radius: self.largest_radius,
-            final_gather: self.final_gather,
+            final_gather: GatherRays::new(self.final_gather.get()).expect("in range"),
             cache_error: self.cache_error,
             cache_rays: self.cache_rays,
             camera_paths: self.camera_paths,

@@ -67,8 +67,8 @@ use hierarchy::Hierarchy;
 use look_up::LookUp;
 use parameters::DirectMode;
 pub(super) use parameters::{
-    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, FINAL_GATHER,
-    GatherRays, LARGEST_RADIUS, NEIGHBORS, Neighbors, Parameters,
+    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, GatherRays,
+    LARGEST_RADIUS, NEIGHBORS, Neighbors, Parameters,
 };
 use second_pass::{MapChoice, Step, TracedPass};
 pub(super) use whole_paths::PhotonPathSettings;

@@ -46,7 +46,7 @@ pub(super) const USER_PATH: Parameter<Parts> =
 pub(super) const USER_PATHS: Parameter<UserPaths> = parameter(
     "hints where light comes from, each {\"points\": from a lamp to a surface that is no mirror, \"cones\": half angles around the segments, °; one for all, else 5}",
     UserPaths(Vec::new()),
-    "none",
+    "[]",
 );
 
 /// Most paths that a user may give.

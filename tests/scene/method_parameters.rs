@@ -59,6 +59,9 @@ fn defaults_are_what_help_says() {
 /// What is in a range and what is just outside, by the words of its help.
 fn probes(range: &str) -> (Vec<Value>, Vec<Value>) {
     let (mut within, mut outside) = (Vec::new(), vec![json!("nonsense"), json!([1]), json!(null), json!(true)]);
+    if range.starts_with("a list") {
+        return probes_of_paths();
+    }
     for part in range.split(", ") {
         let part = part.split(" for ").next().expect("split yields at least one part");
         if let Some((low, high)) = part.split_once(" to ") {
@@ -94,6 +97,29 @@ fn probes(range: &str) -> (Vec<Value>, Vec<Value>) {
         }
     }
     (within, outside)
+}
+
+/// Paths with as few and as many points and cones as may be, and with one too few or too many.
+fn probes_of_paths() -> (Vec<Value>, Vec<Value>) {
+    let path = |points: usize, cones: &[f32]| {
+        let points = vec![[0.5, 0.25, -1.5]; points];
+        if cones.is_empty() { json!([{"points": points}]) } else { json!([{"points": points, "cones": cones}]) }
+    };
+    let many = |count: usize| Value::Array(vec![path(2, &[])[0].clone(); count]);
+    let within = [json!([]), many(1000), path(2, &[]), path(32, &[0.5]), path(3, &[90.0, 0.125])];
+    let outside = [
+        many(1001),
+        path(1, &[]),
+        path(33, &[]),
+        path(4, &[1.0, 2.0]),
+        path(2, &[0.0]),
+        path(2, &[90.5]),
+        json!([{"points": [[0.5, 0.25], [1.0, 1.0, 1.0]]}]),
+        json!([{"points": [[0.5, 0.25, 1e39], [1.0, 1.0, 1.0]]}]),
+        json!([{"cones": [1.0]}]),
+        json!([{"points": [[0.5, 0.25, 1.0], [1.0, 1.0, 1.0]], "cone": 5}]),
+    ];
+    (within.into(), outside.into())
 }
 
 /// A picture of no paths would be black without a word.
