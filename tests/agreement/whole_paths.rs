@@ -106,7 +106,7 @@ fn imbalance(space: &PathSpace<'_>, acceptance: impl Fn(f32, f32, f32) -> f32) -
 fn changes_of_each_kind_are_in_balance() {
     let scene = reference_scene("cornell-glass");
     let to_floor = [[0.0, 0.99, 0.01], [0.7, -1.0, -0.6]];
-    let by_wall = [[0.0, 0.99, 0.01], [-1.0, 0.0, 0.2], [0.7, -1.0, -0.6]];
+    let by_wall = [[0.0, 0.99, 0.01], [-1.0, 0.3, 0.6], [0.7, -1.0, -0.6]];
     let check = |points: &[[f32; 3]]| {
         let cones = vec![0.3; points.len() - 1];
         UserPath::check(&scene, &GivenPath { points, cones }).expect("nothing is in its way")
@@ -165,7 +165,7 @@ fn impossible_user_paths_are_refused() {
 fn user_paths_do_not_bias() {
     let scene = reference_scene("cornell-glass");
     let (expected, expected_error) = mean_and_error(&scene, "mlt", "{}", 16, 4);
-    let corner = r#"{"points": [[0, 0.99, 0], [0.99, -0.2, -0.99], [0.7, -1, -0.9]], "cones": [1, 1]}"#;
+    let corner = r#"{"points": [[0, 0.99, 0], [1, -0.2, -0.9], [0.7, -1, -0.9]], "cones": [1, 1]}"#;
     let wide = r#"{"points": [[0.1, 0.99, 0.1], [-1, 0.9, 0.5], [0.9, -1, 0.9]], "cones": [90]}"#;
     let parameters = format!(r#"{{"user_path": 300, "user_paths": [{corner}, {corner}, {wide}]}}"#);
     let (found, error) = mean_and_error(&scene, "mlt", &parameters, 16, 4);

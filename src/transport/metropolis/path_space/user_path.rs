@@ -133,9 +133,9 @@ fn lamp_at(scene: &Scene, place: Vec3, next: Vec3, tolerance: f32) -> Result<u32
             offer(light, end.position(scene, &first, next).unwrap_or(Vec3::INFINITY));
         }
     }
-    // A place of a large lamp is found by looking there, from just before the next surface.
+    // A place of a large lamp is found by looking there from just before it, so that nothing else is in the way.
     let direction = (place - next).normalize();
-    if let Some(hit) = scene.intersect(&Ray::new(next + direction * tolerance, direction))
+    if let Some(hit) = scene.intersect(&Ray::new(place - direction * (2.0 * tolerance), direction))
         && hit.position.distance(place) <= tolerance
         && let Some(LightEnd::Surface { light, .. }) = LightEnd::of_hit(scene, &hit, false)
     {
