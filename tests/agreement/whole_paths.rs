@@ -64,7 +64,7 @@ fn space<'a>(scene: &'a Scene, kind: Proposal, user_paths: &'a [UserPath]) -> Pa
 
 /// Where a path ends on the film and how long it is: one of 12 parts of the space.
 fn part(state: &PathState) -> usize {
-    let film = state.terms.as_ref().expect("it brings something").film;
+    let film = state.terms.film;
     let quarter = usize::from(film.x >= 0.5) + 2 * usize::from(film.y >= 0.5);
     quarter + 4 * (state.path.segments() - 3).min(2)
 }

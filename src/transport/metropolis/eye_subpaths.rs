@@ -48,12 +48,13 @@ impl EyeSubpaths {
         random: &PassRandom,
         cancel: &AtomicBool,
     ) -> Option<(Self, Counters)> {
-        let trace = |index: u32| {
+        let trace = |chain: &mut Vec<PathVertex>, index: u32| {
             let mut counters = Counters::default();
-            let subpath = EyeSubpath::trace(scene, window, &mut Source::new(random.path(index)), &mut counters);
-            (subpath, counters)
+            let mut source = Source::new(random.path(index));
+            let mut tracer = Tracer { scene, counters: &mut counters, chain };
+            (EyeSubpath::trace(window, &mut source, &mut tracer), counters)
         };
-        let traced: Vec<_> = (0..count).into_par_iter().map(trace).collect();
+        let traced: Vec<_> = (0..count).into_par_iter().map_init(Vec::new, trace).collect();
         let mut total = Counters::default();
         let mut subpaths: Vec<Option<EyeSubpath>> = Vec::with_capacity(traced.len());
         for (subpath, counters) in traced {
@@ -89,13 +90,13 @@ fn usual_importance(scene: &Scene, subpaths: &[Option<EyeSubpath>], counters: &m
 }
 
 impl EyeSubpath {
-    fn trace(scene: &Scene, window: &FilmWindow, source: &mut Source, counters: &mut Counters) -> Option<Self> {
-        let mut tracer = Tracer { scene, counters };
+    fn trace(window: &FilmWindow, source: &mut Source, tracer: &mut Tracer<'_>) -> Option<Self> {
+        let scene = tracer.scene;
         let film = window.place([source.number(), source.number()]);
         let lens = [source.number(), source.number()];
         let first = tracer.seen(film, lens)?;
-        let mut chain = Vec::new();
-        tracer.follow_specular_from(first, TransportMode::Radiance, source, &mut chain)?;
+        tracer.follow_specular_from(first, TransportMode::Radiance, source)?;
+        let chain = &*tracer.chain;
         let end = *chain.last()?;
         let seen = scene.camera.look_at(chain[0].hit.position, lens).filter(|seen| scene.film.reaches(seen.film))?;
         let mut throughput = Rgb::splat((f64::from(scene.film.whole_pixel_count()) / window.density()) as f32);

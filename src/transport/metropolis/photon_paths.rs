@@ -87,10 +87,10 @@ impl PhotonPaths<'_> {
     /// The photon of a state; its flux is that over the density of the path as an independent sample.
     fn store(&self, state: &mut PhotonState, source: &mut Source, counters: &mut Counters) {
         state.photon = None;
-        let Some(terms) = &state.path.terms else { return };
-        let Some(place) = state.path.path.photon_place() else { return };
+        let PathState { path, terms, is_known: true, .. } = &state.path else { return };
+        let Some(place) = path.photon_place() else { return };
         let target = self.paths.target(&state.path) * self.photons;
-        state.photon = self.photon(&state.path.path, terms, place, target, source, counters);
+        state.photon = self.photon(path, terms, place, target, source, counters);
     }
 
     fn photon(

@@ -18,6 +18,8 @@ pub struct Tracer<'a> {
     pub scene: &'a Scene,
     /// What it took.
     pub counters: &'a mut Counters,
+    /// Vertices that it makes one after the other.
+    pub chain: &'a mut Vec<PathVertex>,
 }
 
 /// Where a camera subpath came to.
@@ -110,24 +112,20 @@ impl Tracer<'_> {
         Some(())
     }
 
-    /// Where a camera subpath goes on to from its last vertex, to which it came from the direction `back`.
-    pub fn extend_from_camera(&mut self, last: &mut PathVertex, back: Vec3, source: &mut Source) -> Option<Arrival> {
-        let direction = self.scatter(last, back, TransportMode::Radiance, source)?;
+    /// Where a camera subpath goes on to from the last vertex of its chain, to which it came from the direction `back`.
+    pub fn extend_from_camera(&mut self, back: Vec3, source: &mut Source) -> Option<Arrival> {
+        let mut last = *self.chain.last()?;
+        let direction = self.scatter(&mut last, back, TransportMode::Radiance, source)?;
+        *self.chain.last_mut()? = last;
         let ray = last.hit.ray_to(direction);
         Some(self.surface(&ray).map_or(Arrival::Outside(direction), Arrival::Surface))
     }
 
-    /// Follows `ray` by specular lobes alone to a surface where the path does not follow one, and appends all vertices to `chain`. The path carries light
+    /// Follows `ray` by specular lobes alone to a surface where the path does not follow one, and makes all vertices its chain. The path carries light
     /// in this direction in [`TransportMode::Flux`], else importance.
-    pub fn follow_specular(
-        &mut self,
-        ray: &Ray,
-        mode: TransportMode,
-        source: &mut Source,
-        chain: &mut Vec<PathVertex>,
-    ) -> Option<()> {
+    pub fn follow_specular(&mut self, ray: &Ray, mode: TransportMode, source: &mut Source) -> Option<()> {
         let hit = self.surface(ray)?;
-        self.follow_specular_from(hit, mode, source, chain)
+        self.follow_specular_from(hit, mode, source)
     }
 
     /// The same from where the ray met a surface.
@@ -136,15 +134,15 @@ impl Tracer<'_> {
         mut hit: Interaction,
         mode: TransportMode,
         source: &mut Source,
-        chain: &mut Vec<PathVertex>,
     ) -> Option<()> {
+        self.chain.clear();
         for _ in 0..MOST_SPECULAR {
             let choice = LobeChoice::new(self.scene, hit.shape, &View::at(&hit, mode)).pick(source.number());
             let Some(specular) = choice else {
-                chain.push(PathVertex { hit, lobe: Lobe::Smooth });
+                self.chain.push(PathVertex { hit, lobe: Lobe::Smooth });
                 return Some(());
             };
-            chain.push(PathVertex { hit, lobe: Lobe::Specular });
+            self.chain.push(PathVertex { hit, lobe: Lobe::Specular });
             let ray = hit.ray_to(hit.frame.to_world(specular.direction));
             hit = self.surface(&ray)?;
         }

@@ -49,7 +49,7 @@ pub enum LightEnd {
 }
 
 /// The first segment of a path, seen from its end x₁.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct LightSegment {
     /// Unit direction from x₁ to the light.
     pub direction: Vec3,

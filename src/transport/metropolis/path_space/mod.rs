@@ -62,11 +62,15 @@ pub struct PathSpace<'a> {
 pub struct PathState {
     /// The path.
     pub path: Path,
-    /// Its factors; `None` where it brings nothing.
-    pub terms: Option<Terms>,
+    /// Whether it brings anything, and its factors and its density are known.
+    pub is_known: bool,
+    /// Its factors.
+    pub terms: Terms,
     /// The density with which it is sampled independently.
     pub density: f64,
     splats: Vec<Splat>,
+    /// Vertices that are being made, from the eye on or from where a change begins.
+    chain: Vec<PathVertex>,
 }
 
 impl Space for PathSpace<'_> {
@@ -74,7 +78,7 @@ impl Space for PathSpace<'_> {
     type Brought = Splat;
 
     fn renew(&self, state: &mut PathState, source: &mut Source, counters: &mut Counters) {
-        state.terms = None;
+        state.is_known = false;
         let segments = self.lengths.pick(source) as usize;
         let light_vertices = (source.number() * (segments + 1) as f32) as usize;
         let gap = proposals::Gap {
@@ -90,23 +94,18 @@ impl Space for PathSpace<'_> {
 
     fn change(&self, from: &PathState, to: &mut PathState, source: &mut Source, counters: &mut Counters) -> Change {
         let kind = self.shares.pick(source.number());
-        to.terms = None;
+        to.is_known = false;
         let acceptance = self.propose(kind, from, to, source, counters).unwrap_or(0.0);
-        if acceptance == 0.0 {
-            to.terms = None;
-        }
+        to.is_known &= acceptance > 0.0;
         Change { step: kind.step(), acceptance }
     }
 
     fn target(&self, state: &PathState) -> f32 {
-        match &state.terms {
-            Some(terms) => (self.sought(&state.path, terms) / state.density) as f32,
-            None => 0.0,
-        }
+        if state.is_known { (self.sought(&state.path, &state.terms) / state.density) as f32 } else { 0.0 }
     }
 
     fn show(&self, state: &PathState, weight: f32, splats: &mut Vec<Splat>) {
-        if state.terms.is_some() {
+        if state.is_known {
             show(&state.splats, weight, &self.pixels, splats);
         }
     }
@@ -137,7 +136,7 @@ impl PathSpace<'_> {
         source: &mut Source,
         counters: &mut Counters,
     ) -> Option<usize> {
-        let mut tracer = Tracer { scene: self.scene, counters };
+        let mut tracer = Tracer { scene: self.scene, counters, chain: &mut to.chain };
         let proposals::Gap { kept, light, camera } = *gap;
         let segments = kept.light + light + camera + kept.camera - 1;
         let (path, connection) = (&mut to.path, kept.light + light);
@@ -157,22 +156,22 @@ impl PathSpace<'_> {
             (1, _) => return None,
             _ => tracer.extend_from_light(&mut path.vertices, &from.light?, light, source)?,
         }
-        let mut suffix: Vec<PathVertex> =
-            from.vertices[from.vertices.len() + 1 - kept.camera..].iter().rev().copied().collect();
+        tracer.chain.clear();
+        tracer.chain.extend(from.vertices[from.vertices.len() + 1 - kept.camera..].iter().rev());
         for index in 0..camera {
-            match self.next_from_camera(&mut tracer, path.lens, &mut suffix, source)? {
+            match self.next_from_camera(&mut tracer, path.lens, source)? {
                 Arrival::Surface(hit) if connection == 0 && index + 1 == camera => {
-                    let is_seen = suffix.iter().all(|vertex| vertex.lobe == Lobe::Specular);
+                    let is_seen = tracer.chain.iter().all(|vertex| vertex.lobe == Lobe::Specular);
                     path.light = Some(LightEnd::of_hit(self.scene, &hit, is_seen)?);
                 }
-                Arrival::Surface(hit) => suffix.push(PathVertex { hit, lobe: Lobe::Smooth }),
+                Arrival::Surface(hit) => tracer.chain.push(PathVertex { hit, lobe: Lobe::Smooth }),
                 Arrival::Outside(direction) if connection == 0 && index + 1 == camera => {
                     path.light = Some(LightEnd::outside(self.scene, direction)?);
                 }
                 Arrival::Outside(_) => return None,
             }
         }
-        path.vertices.extend(suffix.iter().rev());
+        path.vertices.extend(tracer.chain.iter().rev());
         if connection > 0 {
             for index in [connection - 1, connection].into_iter().filter(|index| *index > 0 && *index < segments) {
                 let vertex = &mut path.vertices[index - 1];
@@ -195,36 +194,29 @@ impl PathSpace<'_> {
         Some((LightEnd::of_photon(self.scene, &photon), PathVertex { hit, lobe: Lobe::Smooth }))
     }
 
-    /// Where a camera subpath with these vertices, from the eye on, goes on to.
-    fn next_from_camera(
-        &self,
-        tracer: &mut Tracer<'_>,
-        lens: [f32; 2],
-        vertices: &mut [PathVertex],
-        source: &mut Source,
-    ) -> Option<Arrival> {
-        let count = vertices.len();
-        let Some(last) = vertices.last() else {
-            let film = self.window.place([source.number(), source.number()]);
-            let ray = self.scene.camera.ray(film, lens);
-            return Some(tracer.seen(film, lens).map_or(Arrival::Outside(ray.direction), Arrival::Surface));
+    /// Where a camera subpath with the vertices of the tracer's chain, from the eye on, goes on to.
+    fn next_from_camera(&self, tracer: &mut Tracer<'_>, lens: [f32; 2], source: &mut Source) -> Option<Arrival> {
+        let back = match tracer.chain[..] {
+            [] => {
+                let film = self.window.place([source.number(), source.number()]);
+                let ray = self.scene.camera.ray(film, lens);
+                return Some(tracer.seen(film, lens).map_or(Arrival::Outside(ray.direction), Arrival::Surface));
+            }
+            [first] => self.scene.camera.look_at(first.hit.position, lens)?.direction,
+            [.., before, last] => (before.hit.position - last.hit.position).normalize(),
         };
-        let position = last.hit.position;
-        let back = match count {
-            1 => self.scene.camera.look_at(position, lens)?.direction,
-            _ => (vertices[count - 2].hit.position - position).normalize(),
-        };
-        tracer.extend_from_camera(vertices.last_mut()?, back, source)
+        tracer.extend_from_camera(back, source)
     }
 
     /// Looks whether the segment that joins its subpaths is open, and computes all else that is to be known of a path.
     fn finish(&self, state: &mut PathState, connection: usize, counters: &mut Counters) -> Option<()> {
-        let terms = state.path.terms(self.scene)?;
-        let mut tracer = Tracer { scene: self.scene, counters };
-        if connection > 0 && !tracer.is_open(&state.path, &terms, connection - 1) {
+        let PathState { path, terms, chain, .. } = state;
+        path.compute(self.scene, terms)?;
+        let mut tracer = Tracer { scene: self.scene, counters, chain };
+        if connection > 0 && !tracer.is_open(path, terms, connection - 1) {
             return None;
         }
-        state.density = self.independent_density(&state.path, &terms);
+        state.density = self.independent_density(path, terms);
         if !(state.density > 0.0 && state.density.is_finite()) {
             return None;
         }
@@ -233,7 +225,7 @@ impl PathSpace<'_> {
         for_each_pixel(self.scene, terms.film, |pixel, filter| {
             state.splats.push(Splat { pixel, radiance: radiance * filter });
         });
-        state.terms = Some(terms);
+        state.is_known = true;
         Some(())
     }
 

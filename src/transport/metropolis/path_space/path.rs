@@ -58,7 +58,7 @@ pub struct VertexTerms {
 }
 
 /// The factors of a path.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Terms {
     /// Place in the whole film, (0, 0) top left to (1, 1) bottom right.
     pub film: Vec2,
@@ -94,25 +94,19 @@ impl Path {
         (1..self.segments()).rev().find(|index| !self.is_specular(*index))
     }
 
-    /// All factors; `None` where the path brings nothing. What lies between its vertices is not looked at.
-    pub fn terms(&self, scene: &Scene) -> Option<Terms> {
+    /// Computes all factors; `None` where the path brings nothing. What lies between its vertices is not looked at.
+    pub fn compute(&self, scene: &Scene, terms: &mut Terms) -> Option<()> {
         let (first, last) = (self.vertices.first()?, self.vertices.last()?);
         if scene.hides_lights && last.hit.shape.light != NO_LIGHT {
             return None;
         }
         let seen = scene.camera.look_at(last.hit.position, self.lens).filter(|seen| scene.film.reaches(seen.film))?;
         let segment = self.light?.segment(scene, first.hit.position)?;
-        let count = self.vertices.len();
-        let mut terms = Terms {
-            film: seen.film,
-            visible_distance: seen.visible_distance,
-            first: segment,
-            vertices: Vec::with_capacity(count),
-            edges: Vec::with_capacity(count + 1),
-            values: Vec::with_capacity(count),
-            carried: segment.radiance,
-            size: f64::from(scene.film.whole_pixel_count()),
-        };
+        (terms.film, terms.visible_distance, terms.first) = (seen.film, seen.visible_distance, segment);
+        terms.vertices.clear();
+        terms.edges.clear();
+        terms.values.clear();
+        (terms.carried, terms.size) = (segment.radiance, f64::from(scene.film.whole_pixel_count()));
         let mut light_direction = segment.direction;
         let mut geometry = segment.geometry;
         for (index, vertex) in self.vertices.iter().enumerate() {
@@ -135,10 +129,10 @@ impl Path {
         }
         terms.edges.push(geometry);
         terms.size *= terms.edges.iter().product::<f64>();
-        if scene.hides_lights && self.goes_straight(&terms) {
+        if scene.hides_lights && self.goes_straight(terms) {
             return None;
         }
-        (terms.target() > 0.0 && terms.target().is_finite()).then_some(terms)
+        (terms.target() > 0.0 && terms.target().is_finite()).then_some(())
     }
 
     /// Whether nothing turns the light that comes from outside of the scene.

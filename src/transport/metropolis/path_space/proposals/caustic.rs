@@ -35,16 +35,15 @@ impl PathSpace<'_> {
                 from.path.vertices[start - 1].hit.ray_to(direction)
             }
         };
-        let mut chain = Vec::with_capacity(from.path.vertices.len());
-        tracer.follow_specular(&ray, TransportMode::Flux, source, &mut chain)?;
-        if chain.len() < 2 {
+        tracer.follow_specular(&ray, TransportMode::Flux, source)?;
+        if tracer.chain.len() < 2 {
             // The way back begins with a specular surface.
             return None;
         }
         (to.light, to.lens) = (from.path.light, from.path.lens);
         to.vertices.clear();
         to.vertices.extend_from_slice(&from.path.vertices[..start]);
-        to.vertices.extend(chain);
+        to.vertices.extend_from_slice(tracer.chain);
         Some(Draft { kept: Kept { light: start + 1, camera: 1 }, connection: to.segments() })
     }
 }

@@ -57,18 +57,17 @@ impl PathSpace<'_> {
             return None;
         }
         let hit = tracer.seen(film, to.lens)?;
-        let mut chain = Vec::with_capacity(from.path.vertices.len());
         to.light = from.path.light;
         match last == first {
-            true => tracer.follow_specular_from(hit, TransportMode::Radiance, source, &mut chain)?,
+            true => tracer.follow_specular_from(hit, TransportMode::Radiance, source)?,
             false => {
-                let end = self.retrace(from, last, hit, &mut chain, tracer, source)?;
+                let end = self.retrace(from, last, hit, tracer, source)?;
                 to.light = end.or(to.light);
             }
         }
         to.vertices.clear();
         to.vertices.extend_from_slice(&from.path.vertices[..last.saturating_sub(1)]);
-        to.vertices.extend(chain.iter().rev());
+        to.vertices.extend(tracer.chain.iter().rev());
         Some(Draft { kept: Kept { light: last, camera: 1 }, connection: last })
     }
 
@@ -79,10 +78,10 @@ impl PathSpace<'_> {
         from: Known<'_>,
         last: usize,
         mut hit: Interaction,
-        chain: &mut Vec<PathVertex>,
         tracer: &mut Tracer<'_>,
         source: &mut Source,
     ) -> Option<Option<LightEnd>> {
+        tracer.chain.clear();
         for index in (last.max(1)..from.path.segments()).rev() {
             let choice = LobeChoice::new(self.scene, hit.shape, &View::at(&hit, TransportMode::Radiance));
             let specular = choice.pick(source.number());
@@ -90,7 +89,7 @@ impl PathSpace<'_> {
                 return None;
             }
             let lobe = if specular.is_some() { Lobe::Specular } else { Lobe::Smooth };
-            chain.push(PathVertex { hit, lobe });
+            tracer.chain.push(PathVertex { hit, lobe });
             if index == last {
                 break;
             }

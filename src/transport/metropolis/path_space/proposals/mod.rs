@@ -117,25 +117,26 @@ impl PathSpace<'_> {
         source: &mut Source,
         counters: &mut Counters,
     ) -> Option<f32> {
-        let before = Known { path: &from.path, terms: from.terms.as_ref()? };
-        let mut tracer = Tracer { scene: self.scene, counters };
+        let before = Known { path: &from.path, terms: &from.terms };
+        let PathState { path, chain, .. } = &mut *to;
+        let mut tracer = Tracer { scene: self.scene, counters, chain };
         let draft = match kind {
             Proposal::Bidirectional => {
                 let gap = self.gap(from.path.segments(), source)?;
                 let connection = self.fill(&from.path, &gap, to, source, counters)?;
                 Draft { kept: gap.kept, connection }
             }
-            Proposal::LensSubpath => self.move_film(before, &mut to.path, lens::Move::Anywhere, &mut tracer, source)?,
-            Proposal::Lens => self.move_film(before, &mut to.path, lens::Move::Near, &mut tracer, source)?,
-            Proposal::Caustic => self.turn_into_specular(before, &mut to.path, &mut tracer, source)?,
-            Proposal::PhotonMap => self.turn_at_first_smooth(before, &mut to.path, &mut tracer, source)?,
-            Proposal::User => self.follow_user(before, &mut to.path, &mut tracer, source)?,
+            Proposal::LensSubpath => self.move_film(before, path, lens::Move::Anywhere, &mut tracer, source)?,
+            Proposal::Lens => self.move_film(before, path, lens::Move::Near, &mut tracer, source)?,
+            Proposal::Caustic => self.turn_into_specular(before, path, &mut tracer, source)?,
+            Proposal::PhotonMap => self.turn_at_first_smooth(before, path, &mut tracer, source)?,
+            Proposal::User => self.follow_user(before, path, &mut tracer, source)?,
         };
         if !self.lengths.contain(to.path.segments() as u32) {
             return None;
         }
         self.finish(to, draft.connection, counters)?;
-        let after = Known { path: &to.path, terms: to.terms.as_ref()? };
+        let after = Known { path: &to.path, terms: &to.terms };
         let [forth, back] =
             [(before, after), (after, before)].map(|(from, to)| self.density(kind, draft.kept, from, to));
         let [before, after] = [before, after].map(|known| self.sought(known.path, known.terms));

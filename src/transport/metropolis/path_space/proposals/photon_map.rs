@@ -26,12 +26,11 @@ impl PathSpace<'_> {
         }
         let turned = source.turned_evenly(from.terms.vertices[first - 1].light_direction, LARGEST_TURN);
         let ray = from.path.vertices[first - 1].hit.ray_to(turned);
-        let mut chain = Vec::with_capacity(from.path.vertices.len());
-        tracer.follow_specular(&ray, TransportMode::Radiance, source, &mut chain)?;
+        tracer.follow_specular(&ray, TransportMode::Radiance, source)?;
         (to.light, to.lens) = (from.path.light, from.path.lens);
         to.vertices.clear();
         to.vertices.extend_from_slice(&from.path.vertices[..second - 1]);
-        to.vertices.extend(chain.iter().rev());
+        to.vertices.extend(tracer.chain.iter().rev());
         to.vertices.extend_from_slice(&from.path.vertices[first - 1..]);
         let camera = from.path.segments() + 1 - first;
         Some(Draft { kept: Kept { light: second, camera }, connection: second })
