@@ -22,7 +22,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
-const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth";
+const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth,position";
 
 /// A coordinator and its workers; all end when this is dropped.
 struct Farm {
@@ -237,11 +237,14 @@ async fn first_surfaces_are_layers_in_any_order() {
     let channels = exr_channels(&bytes);
     let names: Vec<&str> = channels.keys().map(String::as_str).collect();
     let layers = ["albedo.B", "albedo.G", "albedo.R", "depth.Z", "normal.X", "normal.Y", "normal.Z"];
-    assert_eq!(names, [["B", "G", "R"].as_slice(), layers.as_slice()].concat());
+    let position = ["position.X", "position.Y", "position.Z"];
+    assert_eq!(names, [["B", "G", "R"].as_slice(), layers.as_slice(), position.as_slice()].concat());
     // A closed box of side 2, all of one grey.
     assert!(channels["albedo.G"].iter().all(|albedo| (albedo - 0.8).abs() < 1e-5));
     assert!(channels["depth.Z"].iter().all(|depth| *depth > 0.1 && *depth < 3.5));
-    let again = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=depth,albedo,normal,depth")).await;
+    let within = position.map(|axis| channels[axis].iter().all(|place| place.abs() < 1.00001));
+    assert_eq!(within, [true; 3], "all of it is in the box");
+    let again = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=position,depth,albedo,normal,depth")).await;
     assert_eq!(again.headers()[header::ETAG], tag);
     assert_eq!(again.bytes().await.expect("bytes"), bytes);
 }
@@ -375,7 +378,7 @@ async fn bad_image_options_are_refused() {
     problem(farm.get(&image("image.png?brightness=1")).await, 400, "bad-query").await;
     let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
-    assert_eq!(unknown["remedy"], "known layers: radius, photons, error, albedo, normal, depth");
+    assert_eq!(unknown["remedy"], "known layers: radius, photons, error, albedo, normal, depth, position");
 }
 
 #[tokio::test(flavor = "multi_thread")]

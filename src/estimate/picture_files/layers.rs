@@ -16,6 +16,8 @@ pub enum Layer {
     Normal,
     /// Its distance.
     Depth,
+    /// Its place.
+    Position,
 }
 
 /// What a layer is called and holds.
@@ -58,7 +60,7 @@ pub(super) const RADIANCE_UNIT: &str = "W/(sr·m²)";
 pub const NOTHING_SEEN: f32 = 1e10;
 
 /// All layers, in the order of [`Layer`].
-pub const LAYERS: [LayerRow; 6] = [
+pub const LAYERS: [LayerRow; 7] = [
     LayerRow {
         layer: Layer::Radius,
         name: "radius",
@@ -106,6 +108,14 @@ pub const LAYERS: [LayerRow; 6] = [
         meaning: "distance of the first surface seen from the camera",
         unit: "m",
         nothing: "1e10 where nothing is seen",
+    },
+    LayerRow {
+        layer: Layer::Position,
+        name: "position",
+        channels: &["position.X", "position.Y", "position.Z"],
+        meaning: "place of the first surface seen, world space",
+        unit: "m",
+        nothing: "0 where nothing is seen",
     },
 ];
 
