@@ -1,4 +1,6 @@
-//! A job's picture at any time, as PNG and EXR, with an ETag so that an unchanged one is not sent twice.
+//! A job's picture at any time, for eyes and as EXR, with an ETag so that an unchanged one is not sent twice.
+
+pub mod display;
 
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
@@ -11,21 +13,11 @@ use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use super::ranges::image;
-use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_png};
+use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr};
 use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
 use crate::farm::rules::terms::ErrorPoint;
-
-/// How the PNG is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub struct PngQuery {
-    /// Stops by which the picture is made brighter (multiplied by 2^exposure), −64 to 64; 0 by default.
-    #[serde(default)]
-    pub exposure: f32,
-}
 
 /// What the EXR holds.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -46,45 +38,6 @@ impl IntoParams for ExrQuery {
             .schema(Some(String::schema()));
         vec![layers.build()]
     }
-}
-
-/// The picture so far as 8-bit sRGB PNG.
-#[utoipa::path(
-    get, path = "/jobs/{id}/image.png", tag = "images",
-    params(("id" = String, Path, description = "The job's id"), PngQuery),
-    responses(
-        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/png",
-            headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/png"),
-        (status = 304, description = "The same as If-None-Match names"),
-        (status = 404, description = "No such job, or no picture yet", body = Problem,
-            content_type = "application/problem+json"),
-        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub async fn image_png(
-    State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
-    QueryValues(query): QueryValues<PngQuery>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    if !(-64.0..=64.0).contains(&query.exposure) {
-        return Err(Problem::bad_request(
-            format!("exposure is {}", query.exposure),
-            "give a number of stops from -64 to 64",
-        ));
-    }
-    let variant = format!("png{:x}", query.exposure.to_bits());
-    let id = parse_job(&id)?;
-    if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
-        return Ok(unchanged);
-    }
-    let (picture, status) = state.coordinator.picture(id).await?;
-    let tag = etag(&status, &variant);
-    let bytes = encode(move || encode_png(&picture, query.exposure)).await?;
-    Ok(image("image/png", &tag, bytes, &headers))
 }
 
 /// The picture so far as 32-bit float EXR, linear, with the job in its header.
