@@ -13,7 +13,7 @@ use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use super::ranges::image;
-use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr};
+use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_half_exr};
 use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
@@ -26,6 +26,9 @@ pub struct ExrQuery {
     /// Names of further layers, separated by commas.
     #[serde(default)]
     pub layers: String,
+    /// Whether colors and directions are 16-bit floats.
+    #[serde(default)]
+    pub half: bool,
 }
 
 impl IntoParams for ExrQuery {
@@ -36,11 +39,19 @@ impl IntoParams for ExrQuery {
             .parameter_in(ParameterIn::Query)
             .description(Some(format!("Further layers, separated by commas: {known}.")))
             .schema(Some(String::schema()));
-        vec![layers.build()]
+        let half = ParameterBuilder::new()
+            .name("half")
+            .parameter_in(ParameterIn::Query)
+            .description(Some(
+                "Whether colors and directions are 16-bit floats; a layer with numbers beyond 65504 stays at 32 bits, and so do \
+                 those that hold distances, places, counts and errors.",
+            ))
+            .schema(Some(bool::schema()));
+        vec![layers.build(), half.build()]
     }
 }
 
-/// The picture so far as 32-bit float EXR, linear, with the job in its header.
+/// The picture so far as float EXR, linear, with the job in its header.
 #[utoipa::path(
     get, path = "/jobs/{id}/image.exr", tag = "images",
     params(("id" = String, Path, description = "The job's id"), ExrQuery),
@@ -64,14 +75,23 @@ pub async fn image_exr(
 ) -> Result<Response, Problem> {
     let wanted = wanted_layers(&query.layers)?;
     let names: Vec<&str> = wanted.iter().map(|layer| layer.row().name).collect();
-    let variant = format!("exr,{}", names.join(","));
+    // The name may change at any time.
+    let variant = |status: &JobStatus| format!("exr,{},{},{:?}", names.join(","), query.half, status.name);
     let id = parse_job(&id)?;
-    if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
+    let status = state.coordinator.job(id)?;
+    if let Some(unchanged) = unchanged(&status, &variant(&status), &headers) {
         return Ok(unchanged);
     }
     let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
-    let tag = etag(&status, &variant);
-    let bytes = encode(move || encode_exr(&picture, &layers, &metadata_of(&status))).await?;
+    let tag = etag(&status, &variant(&status));
+    let camera = state.coordinator.camera(&status.scene)?;
+    let metadata = PictureMetadata {
+        world_to_camera: camera.map(|camera| camera.world_to_camera),
+        world_to_ndc: camera.and_then(|camera| camera.world_to_ndc),
+        ..metadata_of(&status)
+    };
+    let encoder = if query.half { encode_half_exr } else { encode_exr };
+    let bytes = encode(move || encoder(&picture, &layers, &metadata)).await?;
     Ok(image("image/x-exr", &tag, bytes, &headers))
 }
 
@@ -109,7 +129,7 @@ fn wanted_layers(list: &str) -> Result<Vec<Layer>, Problem> {
         .map_err(|unknown| Problem::bad_request(unknown.to_string(), format!("known layers: {}", Layer::known())))
 }
 
-/// What the header of an EXR says of a job.
+/// What the header of an EXR says of a job, but for the camera, which the status does not tell.
 pub fn metadata_of(status: &JobStatus) -> PictureMetadata {
     PictureMetadata {
         job: status.id.clone(),
@@ -119,6 +139,10 @@ pub fn metadata_of(status: &JobStatus) -> PictureMetadata {
         photons_emitted: status.photons_emitted,
         seed: status.seed,
         scene: status.scene.clone(),
+        name: status.name.clone(),
+        owner: status.owner.as_ref().map(ToString::to_string),
+        submitted: Some(status.submitted),
+        ..PictureMetadata::default()
     }
 }
 

@@ -36,6 +36,9 @@ pub(super) struct OutputOptions {
     /// Further layers of EXR files, separated by commas.
     #[arg(long, value_delimiter = ',', value_parser = layer_names())]
     layers: Vec<String>,
+    /// Write colors and directions of EXR files as 16-bit floats; distances, places, counts, errors and what is beyond 65504 stay at 32 bits.
+    #[arg(long)]
+    half: bool,
     /// Replace files that hold the same scene after more passes, too; else these stay, and the picture goes to a file beside them.
     #[arg(long)]
     overwrite: bool,
@@ -58,8 +61,9 @@ impl OutputOptions {
     fn check_formats(&self, formats: &[PictureFormat]) -> Result<(), CliError> {
         let display = [PictureFormat::Png, PictureFormat::Jpeg, PictureFormat::Webp];
         let [exr, png, jpeg] = [[PictureFormat::Exr], [PictureFormat::Png], [PictureFormat::Jpeg]];
-        let rows: [(bool, &str, &[PictureFormat], &str); 5] = [
+        let rows: [(bool, &str, &[PictureFormat], &str); 6] = [
             (!self.layers.is_empty(), "--layers goes into EXR files", &exr, ".exr"),
+            (self.half, "--half changes EXR files", &exr, ".exr"),
             (self.exposure.is_some(), "--exposure changes pictures to look at", &display, ".png, .jpg or .webp"),
             (self.tone.is_some(), "--tone changes pictures to look at", &display, ".png, .jpg or .webp"),
             (self.bits.is_some(), "--bits changes PNG files", &png, ".png"),
@@ -101,7 +105,7 @@ impl OutputOptions {
         let tone = self.tone.as_deref().unwrap_or(ToneCurve::Linear.row().name);
         let display = format!("exposure={}&tone={tone}", self.exposure());
         Ok(match PictureFormat::of_path(path)? {
-            PictureFormat::Exr => format!("image.exr?layers={}", self.layers.join(",")),
+            PictureFormat::Exr => format!("image.exr?layers={}&half={}", self.layers.join(","), self.half),
             PictureFormat::Png => format!("image.png?{display}&bits={}", self.bits.as_deref().unwrap_or("8")),
             PictureFormat::Jpeg => format!("image.jpg?{display}&quality={}", self.quality.unwrap_or(JPEG_QUALITY)),
             PictureFormat::Webp => format!("image.webp?{display}"),

@@ -2,8 +2,13 @@
 
 #[path = "../support/exr_channels.rs"]
 mod exr_channels;
+#[path = "../support/scene_text.rs"]
+mod scene_text;
 
+mod camera_matrices;
 mod display;
+mod exr_header;
+mod half_precision;
 
 use std::path::Path;
 
@@ -32,6 +37,7 @@ fn metadata() -> PictureMetadata {
         photons_emitted: u64::MAX,
         seed: 3,
         scene: "ab".repeat(32),
+        ..PictureMetadata::default()
     }
 }
 

@@ -35,6 +35,8 @@ pub struct LayerRow {
     pub unit: &'static str,
     /// What they hold where there is nothing to tell; empty where that cannot be.
     pub nothing: &'static str,
+    /// Whether 16 bits are enough for it in a picture of half precision; else it stays at 32.
+    pub allows_half: bool,
 }
 
 impl LayerRow {
@@ -68,6 +70,7 @@ pub const LAYERS: [LayerRow; 7] = [
         meaning: "gather radius",
         unit: "m",
         nothing: "",
+        allows_half: false,
     },
     LayerRow {
         layer: Layer::Photons,
@@ -76,6 +79,7 @@ pub const LAYERS: [LayerRow; 7] = [
         meaning: "photons accumulated",
         unit: "",
         nothing: "",
+        allows_half: false,
     },
     LayerRow {
         layer: Layer::Error,
@@ -84,6 +88,7 @@ pub const LAYERS: [LayerRow; 7] = [
         meaning: "standard error by noise, as the job itself estimates",
         unit: RADIANCE_UNIT,
         nothing: "NaN before each twin has a pass",
+        allows_half: false,
     },
     LayerRow {
         layer: Layer::Albedo,
@@ -92,6 +97,7 @@ pub const LAYERS: [LayerRow; 7] = [
         meaning: "share of light that the first surface seen reflects or transmits",
         unit: "",
         nothing: "",
+        allows_half: true,
     },
     LayerRow {
         layer: Layer::Normal,
@@ -100,6 +106,7 @@ pub const LAYERS: [LayerRow; 7] = [
         meaning: "shading normal of the first surface seen, world space",
         unit: "",
         nothing: "",
+        allows_half: true,
     },
     LayerRow {
         layer: Layer::Depth,
@@ -108,6 +115,7 @@ pub const LAYERS: [LayerRow; 7] = [
         meaning: "distance of the first surface seen from the camera",
         unit: "m",
         nothing: "1e10 where nothing is seen",
+        allows_half: false,
     },
     LayerRow {
         layer: Layer::Position,
@@ -116,6 +124,7 @@ pub const LAYERS: [LayerRow; 7] = [
         meaning: "place of the first surface seen, world space",
         unit: "m",
         nothing: "0 where nothing is seen",
+        allows_half: false,
     },
 ];
 

@@ -9,6 +9,7 @@ mod display_file;
 mod exposure;
 mod exr_attributes;
 mod exr_file;
+mod half_precision;
 mod layers;
 mod png_file;
 mod tone;
@@ -20,7 +21,8 @@ pub use channels::{Channels, LUMINANCE, LayerValues};
 pub use display_file::{Display, DisplayFormat, JPEG_QUALITY, MOST_JPEG_QUALITY, encode_display};
 pub use exposure::{BadExposure, Exposure};
 pub use exr_file::{
-    decode_channels, decode_exr, encode_channels, encode_exr, read_channels, read_exr, read_origin, read_standard_error,
+    decode_channels, decode_exr, encode_channels, encode_exr, encode_half_exr, read_channels, read_exr, read_origin,
+    read_standard_error,
 };
 pub use layers::{LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureLayer, UnknownLayer};
 pub use png_file::{encode_png, encode_png_bytes};
@@ -44,6 +46,16 @@ pub struct PictureMetadata {
     pub seed: u64,
     /// Hash of the scene.
     pub scene: String,
+    /// What people call the job.
+    pub name: Option<String>,
+    /// Who submitted it.
+    pub owner: Option<String>,
+    /// When it was submitted, seconds since 1970.
+    pub submitted: Option<u64>,
+    /// From the world to the camera's right, up and forward, m: by rows, for row vectors.
+    pub world_to_camera: Option<[f32; 16]>,
+    /// From the world to the picture, (0, 0, z) top left to (1, 1, z) bottom right: by rows, for row vectors.
+    pub world_to_ndc: Option<[f32; 16]>,
 }
 
 /// What a picture file shows.
@@ -58,7 +70,7 @@ pub struct PictureOrigin {
 /// A picture file's format, chosen by the file name's extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// OpenEXR, 32-bit float, linear.
+    /// OpenEXR, float, linear.
     Exr,
     /// PNG, sRGB.
     Png,

@@ -150,7 +150,8 @@ impl Shared {
         };
         let (integrator, traits) = (scene.integrator.clone(), SceneTraits::of(&scene));
         let uploaded = AtomicI64::new(self.clock.unix_milliseconds());
-        Ok(SceneRecord { summary, integrator, traits, uploaded })
+        let camera = scene.camera.matrices(&scene.film);
+        Ok(SceneRecord { summary, integrator, traits, camera, uploaded })
     }
 
     /// Takes the scenes of the store over.
