@@ -5,8 +5,11 @@ mod exr_channels;
 #[path = "support/http_client.rs"]
 mod http_client;
 
+use std::io::Cursor;
 use std::time::Duration;
 
+use exr::meta::MetaData;
+use exr::prelude::LayerAttributes;
 use exr_channels::exr_channels;
 use http_client::http_client;
 use photonfarm::api;
@@ -22,7 +25,7 @@ use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::net::TcpStream;
 
 const SCENE: &str = include_str!("references/furnace-closed/scene.xml");
-const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth";
+const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth,position";
 
 /// A coordinator and its workers; all end when this is dropped.
 struct Farm {
@@ -198,7 +201,17 @@ async fn an_unchanged_image_is_not_sent_twice() {
     let variants = [
         "image.png",
         "image.png?exposure=1.5",
+        "image.png?exposure=auto",
+        "image.png?tone=filmic",
+        "image.png?tone=agx",
+        "image.png?bits=16",
+        "image.jpg",
+        "image.jpg?quality=50",
+        "image.jpg?tone=agx&exposure=auto",
+        "image.webp",
+        "image.webp?tone=agx",
         "image.exr",
+        "image.exr?half=true",
         "image.exr?layers=radius,photons",
         FIRST_SURFACE,
         "map.png?layer=radius",
@@ -221,8 +234,76 @@ async fn an_unchanged_image_is_not_sent_twice() {
         );
         tags.push(tag);
     }
+    tags.sort_unstable();
     tags.dedup();
     assert_eq!(tags.len(), variants.len(), "every variant has its own tag");
+}
+
+/// Every format of a picture to look at is what its name says, at the tone and exposure that were asked for.
+#[tokio::test(flavor = "multi_thread")]
+async fn pictures_to_look_at_have_many_formats() {
+    let farm = Farm::start(1).await;
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    farm.events(&id).await;
+    let decoded = async |path: &str, media_type: &str| {
+        let answer = farm.get(&format!("/v1/jobs/{id}/{path}")).await;
+        assert_eq!(
+            (answer.status().as_u16(), answer.headers()[header::CONTENT_TYPE].to_str().ok()),
+            (200, Some(media_type))
+        );
+        assert_eq!(answer.headers()[header::ACCEPT_RANGES], "bytes");
+        image::load_from_memory(&answer.bytes().await.expect("bytes")).expect("decodes")
+    };
+    let png = decoded("image.png?bits=8&exposure=-1", "image/png").await;
+    assert_eq!(png.color(), image::ColorType::Rgb8);
+    assert_eq!(decoded("image.png?bits=16&exposure=-1", "image/png").await.color(), image::ColorType::Rgb16);
+    assert!(decoded("image.webp?exposure=-1", "image/webp").await.to_rgb8() == png.to_rgb8());
+    let jpeg = decoded("image.jpg?exposure=-1&quality=100", "image/jpeg").await.to_rgb8();
+    assert!(jpeg.iter().zip(png.to_rgb8().iter()).all(|(a, b)| a.abs_diff(*b) < 12));
+    // The furnace is about as bright everywhere: exposed by itself it is middle grey, which AgX shows as half of all code values.
+    let auto = decoded("image.png?tone=agx&exposure=auto", "image/png").await.to_rgb8();
+    let mean = auto.iter().map(|byte| f64::from(*byte)).sum::<f64>() / auto.len() as f64;
+    assert!((mean - 127.5).abs() < 8.0, "{mean}");
+}
+
+/// What an EXR says of its job in the attributes that OpenEXR names; the time is the job's, not the file's.
+#[tokio::test(flavor = "multi_thread")]
+async fn an_exr_tells_camera_and_time() {
+    let farm = Farm::start(1).await;
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    farm.events(&id).await;
+    let path = format!("/v1/jobs/{id}/image.exr?half=true");
+    let read = async || {
+        let answer = farm.get(&path).await;
+        let tag = answer.headers()[header::ETAG].clone();
+        (tag, answer.bytes().await.expect("bytes"))
+    };
+    let attributes = |bytes: &[u8]| -> LayerAttributes {
+        MetaData::read_from_buffered(Cursor::new(bytes), true).expect("an EXR").headers[0].own_attributes.clone()
+    };
+    let (tag, first) = read().await;
+    let known = attributes(&first);
+    let date = known.capture_date.expect("a date").to_string();
+    assert!(date.len() == 19 && date.starts_with("20") && date.as_bytes()[4] == b':', "{date}");
+    assert_eq!((known.utc_offset, known.owner), (Some(0.0), None));
+    let camera = known.world_to_camera.expect("a matrix");
+    // The furnace is seen from (0.2, 0.1, 0.9).
+    for axis in 0..3 {
+        let place = 0.2 * camera[axis] + 0.1 * camera[4 + axis] + 0.9 * camera[8 + axis] + camera[12 + axis];
+        assert!(place.abs() < 1e-5, "{camera:?}");
+    }
+    assert!(known.world_to_normalized_device.is_some());
+    assert_eq!(known.comments.expect("a comment").to_string(), "1 pass of sppm, radiance in W/(sr*m^2)");
+    tokio::time::sleep(Duration::from_millis(1100)).await;
+    assert_eq!(read().await, (tag.clone(), first));
+
+    let job = format!("{}/v1/jobs/{id}", farm.base);
+    let change = farm.http.patch(job).header(header::CONTENT_TYPE, "application/json").body(r#"{"name":"box"}"#);
+    assert_eq!(change.send().await.expect("an answer").status().as_u16(), 200);
+    let (renamed, bytes) = read().await;
+    assert_ne!(renamed, tag, "the name is in the header");
+    let comments = attributes(&bytes).comments.expect("a comment").to_string();
+    assert_eq!(comments, "box: 1 pass of sppm, radiance in W/(sr*m^2)");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -237,11 +318,14 @@ async fn first_surfaces_are_layers_in_any_order() {
     let channels = exr_channels(&bytes);
     let names: Vec<&str> = channels.keys().map(String::as_str).collect();
     let layers = ["albedo.B", "albedo.G", "albedo.R", "depth.Z", "normal.X", "normal.Y", "normal.Z"];
-    assert_eq!(names, [["B", "G", "R"].as_slice(), layers.as_slice()].concat());
+    let position = ["position.X", "position.Y", "position.Z"];
+    assert_eq!(names, [["B", "G", "R"].as_slice(), layers.as_slice(), position.as_slice()].concat());
     // A closed box of side 2, all of one grey.
     assert!(channels["albedo.G"].iter().all(|albedo| (albedo - 0.8).abs() < 1e-5));
     assert!(channels["depth.Z"].iter().all(|depth| *depth > 0.1 && *depth < 3.5));
-    let again = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=depth,albedo,normal,depth")).await;
+    let within = position.map(|axis| channels[axis].iter().all(|place| place.abs() < 1.00001));
+    assert_eq!(within, [true; 3], "all of it is in the box");
+    let again = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=position,depth,albedo,normal,depth")).await;
     assert_eq!(again.headers()[header::ETAG], tag);
     assert_eq!(again.bytes().await.expect("bytes"), bytes);
 }
@@ -373,9 +457,15 @@ async fn bad_image_options_are_refused() {
     problem(farm.get(&image("image.png?exposure=bright")).await, 400, "bad-query").await;
     problem(farm.get(&image("image.png?exposure=NaN")).await, 422, "bad-request").await;
     problem(farm.get(&image("image.png?brightness=1")).await, 400, "bad-query").await;
+    for path in ["image.png?tone=acid", "image.jpg?bits=16", "image.webp?quality=9", "image.exr?half=perhaps"] {
+        problem(farm.get(&image(path)).await, 400, "bad-query").await;
+    }
+    for path in ["image.png?bits=12", "image.jpg?quality=0", "image.jpg?quality=101", "image.webp?exposure=65"] {
+        problem(farm.get(&image(path)).await, 422, "bad-request").await;
+    }
     let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
-    assert_eq!(unknown["remedy"], "known layers: radius, photons, error, albedo, normal, depth");
+    assert_eq!(unknown["remedy"], "known layers: radius, photons, error, albedo, normal, depth, position");
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -400,7 +490,9 @@ async fn the_description_names_every_address() {
         "/v1/jobs/{id}/extend",
         "/v1/jobs/{id}/history",
         "/v1/jobs/{id}/image.exr",
+        "/v1/jobs/{id}/image.jpg",
         "/v1/jobs/{id}/image.png",
+        "/v1/jobs/{id}/image.webp",
         "/v1/jobs/{id}/map.png",
         "/v1/jobs/{id}/map.svg",
         "/v1/jobs/{id}/pause",

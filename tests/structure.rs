@@ -58,7 +58,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("tokio_rustls", &["farm/dial.rs", "farm/http/server.rs"]),
     ("getrandom", &["farm/access/secret.rs"]),
     ("prometheus_client", &["farm/coordinator/counters.rs", "farm/coordinator/metrics.rs"]),
-    ("time", &["farm/coordinator/announcing.rs", "cli/terminal.rs"]),
+    ("time", &["farm/coordinator/announcing.rs", "cli/terminal.rs", "estimate/picture_files/exr_attributes.rs"]),
     ("prost", &["farm"]),
     ("lz4_flex", &["farm/wire"]),
     ("clap", &["cli", "main.rs"]),

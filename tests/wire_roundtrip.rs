@@ -135,6 +135,7 @@ fn first_surfaces_keep_every_bit() {
         albedo: Rgb::new(0.1, index as f32, 1.0 / 3.0),
         normal: Vec3::new(-0.0, 0.5, -1.0),
         depth: index as f32,
+        position: Vec3::new(index as f32, -1e-20, 3e7),
     };
     let seen: Vec<FirstSurface> = (0..500).map(pixel).collect();
     assert_eq!(first_surfaces::decode(&first_surfaces::encode(&seen), 500), Ok(seen.clone()));

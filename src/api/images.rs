@@ -1,4 +1,6 @@
-//! A job's picture at any time, as PNG and EXR, with an ETag so that an unchanged one is not sent twice.
+//! A job's picture at any time, for eyes and as EXR, with an ETag so that an unchanged one is not sent twice.
+
+pub mod display;
 
 use axum::extract::State;
 use axum::http::{HeaderMap, StatusCode, header};
@@ -11,21 +13,11 @@ use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use super::ranges::image;
-use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_png};
+use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_half_exr};
 use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
 use crate::farm::rules::terms::ErrorPoint;
-
-/// How the PNG is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub struct PngQuery {
-    /// Stops by which the picture is made brighter (multiplied by 2^exposure), −64 to 64; 0 by default.
-    #[serde(default)]
-    pub exposure: f32,
-}
 
 /// What the EXR holds.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -34,6 +26,9 @@ pub struct ExrQuery {
     /// Names of further layers, separated by commas.
     #[serde(default)]
     pub layers: String,
+    /// Whether colors and directions are 16-bit floats.
+    #[serde(default)]
+    pub half: bool,
 }
 
 impl IntoParams for ExrQuery {
@@ -44,50 +39,19 @@ impl IntoParams for ExrQuery {
             .parameter_in(ParameterIn::Query)
             .description(Some(format!("Further layers, separated by commas: {known}.")))
             .schema(Some(String::schema()));
-        vec![layers.build()]
+        let half = ParameterBuilder::new()
+            .name("half")
+            .parameter_in(ParameterIn::Query)
+            .description(Some(
+                "Whether colors and directions are 16-bit floats; a layer with numbers beyond 65504 stays at 32 bits, and so do \
+                 those that hold distances, places, counts and errors.",
+            ))
+            .schema(Some(bool::schema()));
+        vec![layers.build(), half.build()]
     }
 }
 
-/// The picture so far as 8-bit sRGB PNG.
-#[utoipa::path(
-    get, path = "/jobs/{id}/image.png", tag = "images",
-    params(("id" = String, Path, description = "The job's id"), PngQuery),
-    responses(
-        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/png",
-            headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/png"),
-        (status = 304, description = "The same as If-None-Match names"),
-        (status = 404, description = "No such job, or no picture yet", body = Problem,
-            content_type = "application/problem+json"),
-        (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
-        (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
-        (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub async fn image_png(
-    State(state): State<ApiState>,
-    PathValue(id): PathValue<String>,
-    QueryValues(query): QueryValues<PngQuery>,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
-    if !(-64.0..=64.0).contains(&query.exposure) {
-        return Err(Problem::bad_request(
-            format!("exposure is {}", query.exposure),
-            "give a number of stops from -64 to 64",
-        ));
-    }
-    let variant = format!("png{:x}", query.exposure.to_bits());
-    let id = parse_job(&id)?;
-    if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
-        return Ok(unchanged);
-    }
-    let (picture, status) = state.coordinator.picture(id).await?;
-    let tag = etag(&status, &variant);
-    let bytes = encode(move || encode_png(&picture, query.exposure)).await?;
-    Ok(image("image/png", &tag, bytes, &headers))
-}
-
-/// The picture so far as 32-bit float EXR, linear, with the job in its header.
+/// The picture so far as float EXR, linear, with the job in its header.
 #[utoipa::path(
     get, path = "/jobs/{id}/image.exr", tag = "images",
     params(("id" = String, Path, description = "The job's id"), ExrQuery),
@@ -111,14 +75,23 @@ pub async fn image_exr(
 ) -> Result<Response, Problem> {
     let wanted = wanted_layers(&query.layers)?;
     let names: Vec<&str> = wanted.iter().map(|layer| layer.row().name).collect();
-    let variant = format!("exr,{}", names.join(","));
+    // The name may change at any time.
+    let variant = |status: &JobStatus| format!("exr,{},{},{:?}", names.join(","), query.half, status.name);
     let id = parse_job(&id)?;
-    if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
+    let status = state.coordinator.job(id)?;
+    if let Some(unchanged) = unchanged(&status, &variant(&status), &headers) {
         return Ok(unchanged);
     }
     let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
-    let tag = etag(&status, &variant);
-    let bytes = encode(move || encode_exr(&picture, &layers, &metadata_of(&status))).await?;
+    let tag = etag(&status, &variant(&status));
+    let camera = state.coordinator.camera(&status.scene)?;
+    let metadata = PictureMetadata {
+        world_to_camera: camera.map(|camera| camera.world_to_camera),
+        world_to_ndc: camera.and_then(|camera| camera.world_to_ndc),
+        ..metadata_of(&status)
+    };
+    let encoder = if query.half { encode_half_exr } else { encode_exr };
+    let bytes = encode(move || encoder(&picture, &layers, &metadata)).await?;
     Ok(image("image/x-exr", &tag, bytes, &headers))
 }
 
@@ -156,7 +129,7 @@ fn wanted_layers(list: &str) -> Result<Vec<Layer>, Problem> {
         .map_err(|unknown| Problem::bad_request(unknown.to_string(), format!("known layers: {}", Layer::known())))
 }
 
-/// What the header of an EXR says of a job.
+/// What the header of an EXR says of a job, but for the camera, which the status does not tell.
 pub fn metadata_of(status: &JobStatus) -> PictureMetadata {
     PictureMetadata {
         job: status.id.clone(),
@@ -166,6 +139,10 @@ pub fn metadata_of(status: &JobStatus) -> PictureMetadata {
         photons_emitted: status.photons_emitted,
         seed: status.seed,
         scene: status.scene.clone(),
+        name: status.name.clone(),
+        owner: status.owner.as_ref().map(ToString::to_string),
+        submitted: Some(status.submitted),
+        ..PictureMetadata::default()
     }
 }
 

@@ -107,7 +107,7 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(jobs::cancel_job))
         .routes(routes!(events::job_events))
         .routes(routes!(events::all_events))
-        .routes(routes!(images::image_png))
+        .merge(images::display::routes())
         .routes(routes!(images::image_exr))
         .routes(routes!(images::chart_svg))
         .routes(routes!(history::history))

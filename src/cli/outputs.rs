@@ -9,21 +9,36 @@ use super::client::Client;
 use super::exit_code::CliError;
 use super::progress::passes_of;
 use super::terminal;
-use crate::estimate::picture_files::{LAYERS, PictureFormat, PictureOrigin, check_writable, read_origin, write_file};
+use crate::estimate::picture_files::{
+    Exposure, JPEG_QUALITY, LAYERS, PictureFormat, PictureOrigin, TONES, ToneCurve, check_writable, read_origin,
+    write_file,
+};
 use crate::farm::job::JobStatus;
 
 /// How pictures are written.
 #[derive(Clone, Debug, Args)]
 pub(super) struct OutputOptions {
-    /// File to write, .exr or .png. May be repeated.
+    /// File to write: .exr, or to look at .png, .jpg or .webp. May be repeated.
     #[arg(short, long = "output", value_name = "FILE")]
     pub(super) outputs: Vec<PathBuf>,
-    /// Stops by which PNG files are made brighter, -64 to 64 [default: 0].
-    #[arg(long, allow_negative_numbers = true)]
-    exposure: Option<f32>,
+    /// Stops by which pictures to look at are made brighter, -64 to 64, or auto: so many that the log-average luminance becomes 0.18 [default: 0].
+    #[arg(long, allow_negative_numbers = true, value_name = "STOPS")]
+    exposure: Option<Exposure>,
+    /// Curve by which pictures to look at are made of radiance [default: linear].
+    #[arg(long, value_parser = tone_names())]
+    tone: Option<String>,
+    /// Bits a channel of PNG files [default: 8].
+    #[arg(long, value_parser = ["8", "16"])]
+    bits: Option<String>,
+    /// Quality of JPEG files, 1 (smallest) to 100 (least loss) [default: 90].
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=100))]
+    quality: Option<u8>,
     /// Further layers of EXR files, separated by commas.
     #[arg(long, value_delimiter = ',', value_parser = layer_names())]
     layers: Vec<String>,
+    /// Write colors and directions of EXR files as 16-bit floats; distances, places, counts, errors and what is beyond 65504 stay at 32 bits.
+    #[arg(long)]
+    half: bool,
     /// Replace files that hold the same scene after more passes, too; else these stay, and the picture goes to a file beside them.
     #[arg(long)]
     overwrite: bool,
@@ -33,8 +48,8 @@ impl OutputOptions {
     /// Refuses files of unknown format or in places that cannot be written, and impossible options.
     pub(super) fn check(&self) -> Result<(), CliError> {
         let exposure = self.exposure();
-        if !(-64.0..=64.0).contains(&exposure) {
-            let text = format!("exposure is {exposure}; give a number of stops from -64 to 64");
+        if !exposure.is_possible() {
+            let text = format!("exposure is {exposure}; give a number of stops from -64 to 64, or auto");
             return Err(CliError::BadInput(text));
         }
         let formats = self.outputs.iter().map(|path| PictureFormat::of_path(path)).collect::<Result<Vec<_>, _>>()?;
@@ -44,19 +59,27 @@ impl OutputOptions {
 
     /// Refuses options of formats that are not written.
     fn check_formats(&self, formats: &[PictureFormat]) -> Result<(), CliError> {
-        if !self.layers.is_empty() && !formats.contains(&PictureFormat::Exr) {
-            let text = "--layers goes into EXR files, and none is written; give an -o that ends in .exr";
-            return Err(CliError::Usage(text.to_owned()));
+        let display = [PictureFormat::Png, PictureFormat::Jpeg, PictureFormat::Webp];
+        let [exr, png, jpeg] = [[PictureFormat::Exr], [PictureFormat::Png], [PictureFormat::Jpeg]];
+        let rows: [(bool, &str, &[PictureFormat], &str); 6] = [
+            (!self.layers.is_empty(), "--layers goes into EXR files", &exr, ".exr"),
+            (self.half, "--half changes EXR files", &exr, ".exr"),
+            (self.exposure.is_some(), "--exposure changes pictures to look at", &display, ".png, .jpg or .webp"),
+            (self.tone.is_some(), "--tone changes pictures to look at", &display, ".png, .jpg or .webp"),
+            (self.bits.is_some(), "--bits changes PNG files", &png, ".png"),
+            (self.quality.is_some(), "--quality changes JPEG files", &jpeg, ".jpg"),
+        ];
+        let is_lost = |fitting: &[PictureFormat]| !formats.iter().any(|format| fitting.contains(format));
+        match rows.into_iter().find(|(is_given, _, fitting, _)| *is_given && is_lost(fitting)) {
+            Some((_, what, _, end)) => {
+                Err(CliError::Usage(format!("{what}, and none is written; give an -o that ends in {end}")))
+            }
+            None => Ok(()),
         }
-        if self.exposure.is_some() && !formats.contains(&PictureFormat::Png) {
-            let text = "--exposure changes PNG files, and none is written; give an -o that ends in .png";
-            return Err(CliError::Usage(text.to_owned()));
-        }
-        Ok(())
     }
 
-    fn exposure(&self) -> f32 {
-        self.exposure.unwrap_or(0.0)
+    fn exposure(&self) -> Exposure {
+        self.exposure.unwrap_or_default()
     }
 
     /// Fetches the job's picture, writes all files and says which. Tells whether there was a picture.
@@ -79,14 +102,18 @@ impl OutputOptions {
     }
 
     fn image(&self, path: &Path) -> Result<String, CliError> {
+        let tone = self.tone.as_deref().unwrap_or(ToneCurve::Linear.row().name);
+        let display = format!("exposure={}&tone={tone}", self.exposure());
         Ok(match PictureFormat::of_path(path)? {
-            PictureFormat::Exr => format!("image.exr?layers={}", self.layers.join(",")),
-            PictureFormat::Png => format!("image.png?exposure={}", self.exposure()),
+            PictureFormat::Exr => format!("image.exr?layers={}&half={}", self.layers.join(","), self.half),
+            PictureFormat::Png => format!("image.png?{display}&bits={}", self.bits.as_deref().unwrap_or("8")),
+            PictureFormat::Jpeg => format!("image.jpg?{display}&quality={}", self.quality.unwrap_or(JPEG_QUALITY)),
+            PictureFormat::Webp => format!("image.webp?{display}"),
         })
     }
 }
 
-/// The passes of the picture at `path` if it shows the job's scene after more of them. A PNG file does not say so: the EXR file of its name does.
+/// The passes of the picture at `path` if it shows the job's scene after more of them. Only EXR files say so; the one of its name answers for others.
 fn passes_if_better(path: &Path, job: &JobStatus) -> Option<u32> {
     let there = path.try_exists().unwrap_or(false);
     let PictureOrigin { scene, passes } = read_origin(&path.with_extension("exr")).filter(|_| there)?;
@@ -106,6 +133,10 @@ fn beside(path: &Path, passes: u32) -> PathBuf {
 
 fn layer_names() -> PossibleValuesParser {
     LAYERS.map(|row| PossibleValue::new(row.name).help(row.description())).into()
+}
+
+fn tone_names() -> PossibleValuesParser {
+    TONES.map(|row| PossibleValue::new(row.name).help(row.meaning)).into()
 }
 
 /// `<name>.exr` and `<name>.png` in the current folder. A scene file that is called `scene` has its folder's name.

@@ -1,4 +1,4 @@
-//! What the camera sees first, for compositing and noise filters: colour, direction and distance of surfaces.
+//! What the camera sees first, for compositing and noise filters: colour, direction, distance and place of surfaces.
 //!
 //! A pure function of the scene: no photons, no job's seed, the same bits on any number of threads. Each pixel looks
 //! through 4 × 4 camera rays, one in each cell of its film filter's square, spread as passes spread them.
@@ -29,6 +29,8 @@ pub struct FirstSurface {
     pub normal: Vec3,
     /// The distance between camera and surface, m; mean over the rays that meet one, [`NOTHING_SEEN`] when none does.
     pub depth: f32,
+    /// Where the surface is, world space, m; mean over the rays that meet one, 0 when none does.
+    pub position: Vec3,
 }
 
 /// What every pixel sees first, row-major, top row first. Runs on the calling rayon pool.
@@ -38,7 +40,8 @@ pub fn first_surface_layers(scene: &Scene) -> Vec<FirstSurface> {
 }
 
 fn look_through(scene: &Scene, pixel: u32) -> FirstSurface {
-    let (mut albedo, mut normal, mut distance, mut met) = (Rgb::ZERO, Vec3::ZERO, 0.0, 0.0);
+    let (mut albedo, mut normal, mut position) = (Rgb::ZERO, Vec3::ZERO, Vec3::ZERO);
+    let (mut distance, mut met) = (0.0, 0.0);
     for cell in 0..RAYS {
         let random = PathRandom::new(0, Stream::FirstSurface, cell, pixel);
         let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
@@ -50,12 +53,14 @@ fn look_through(scene: &Scene, pixel: u32) -> FirstSurface {
         normal += seen_normal(scene, &hit);
         // Rays begin at the near clip distance, hence not the length of the ray.
         distance += scene.camera.distance_to(hit.position);
+        position += hit.position;
         met += 1.0;
     }
     FirstSurface {
         albedo: albedo / RAYS as f32,
         normal: normal / RAYS as f32,
         depth: if met > 0.0 { distance / met } else { NOTHING_SEEN },
+        position: if met > 0.0 { position / met } else { Vec3::ZERO },
     }
 }
 

@@ -34,8 +34,17 @@ fn ball_and_wall() -> Scene {
     scene(&format!("<shape type='sphere'>{}</shape><shape type='rectangle'>{wall}{}</shape>", matte(BALL), matte(WALL)))
 }
 
-/// Albedo, normal and depth where a camera ray through a place of the film meets something.
-fn expected(x: f32, y: f32) -> Option<(Rgb, Vec3, f32)> {
+/// What a camera ray meets.
+#[derive(Clone, Copy)]
+struct Met {
+    albedo: Rgb,
+    normal: Vec3,
+    depth: f32,
+    position: Vec3,
+}
+
+/// What a camera ray through a place of the film meets, if there is something.
+fn expected(x: f32, y: f32) -> Option<Met> {
     let half_extent = 20_f32.to_radians().tan();
     let direction = Vec3::new((2.0 * x - 1.0) * half_extent, (1.0 - 2.0 * y) * half_extent, -1.0).normalize();
     let eye = Vec3::new(0.0, 0.0, 5.0);
@@ -43,15 +52,17 @@ fn expected(x: f32, y: f32) -> Option<(Rgb, Vec3, f32)> {
     let discriminant = middle * middle - 24.0;
     if discriminant > 0.0 {
         let depth = middle - discriminant.sqrt();
-        return Some((BALL, eye + direction * depth, depth));
+        let position = eye + direction * depth;
+        return Some(Met { albedo: BALL, normal: position, depth, position });
     }
     let depth = 7.0 / -direction.z;
-    let met = eye + direction * depth;
-    (met.x.abs() < 1.7 && met.y.abs() < 1.7).then_some((WALL, Vec3::Z, depth))
+    let position = eye + direction * depth;
+    let is_on_wall = position.x.abs() < 1.7 && position.y.abs() < 1.7;
+    is_on_wall.then_some(Met { albedo: WALL, normal: Vec3::Z, depth, position })
 }
 
 /// What the formulas give at 5 × 5 places of a pixel.
-fn expected_in(column: usize, row: usize) -> Vec<Option<(Rgb, Vec3, f32)>> {
+fn expected_in(column: usize, row: usize) -> Vec<Option<Met>> {
     let place = |cell: usize, step: usize| (cell as f32 + step as f32 / 4.0) / SIDE as f32;
     (0..25).map(|step| expected(place(column, step % 5), place(row, step / 5))).collect()
 }
@@ -69,13 +80,18 @@ fn analytic_first_surfaces_are_as_the_formulas_say() {
         let places = expected_in(index % SIDE, index / SIDE);
         let met: Vec<_> = places.iter().copied().flatten().collect();
         let what = format!("pixel {index}");
-        let Some((albedo, ..)) = met.first().copied() else {
-            assert_eq!(*pixel, FirstSurface { albedo: Rgb::ZERO, normal: Vec3::ZERO, depth: NOTHING_SEEN }, "{what}");
+        let Some(Met { albedo, .. }) = met.first().copied() else {
+            let zero = Vec3::ZERO;
+            let expected = FirstSurface { albedo: Rgb::ZERO, normal: zero, depth: NOTHING_SEEN, position: zero };
+            assert_eq!(*pixel, expected, "{what}");
             nothing += 1;
             continue;
         };
-        assert_between(pixel.depth, met.iter().map(|(_, _, depth)| *depth), &what);
-        if met.len() < places.len() || met.iter().any(|(other, ..)| *other != albedo) {
+        assert_between(pixel.depth, met.iter().map(|met| met.depth), &what);
+        for axis in 0..3 {
+            assert_between(pixel.position[axis], met.iter().map(|met| met.position[axis]), &what);
+        }
+        if met.len() < places.len() || met.iter().any(|other| other.albedo != albedo) {
             continue;
         }
         if albedo == BALL {
@@ -85,7 +101,7 @@ fn analytic_first_surfaces_are_as_the_formulas_say() {
         }
         assert!(pixel.albedo.abs_diff_eq(albedo, 1e-6), "{what}: {}", pixel.albedo);
         for axis in 0..3 {
-            assert_between(pixel.normal[axis], met.iter().map(|(_, normal, _)| normal[axis]), &what);
+            assert_between(pixel.normal[axis], met.iter().map(|met| met.normal[axis]), &what);
         }
         let length = pixel.normal.length();
         assert!(length < 1.00001 && length > 0.97, "{what}: a normal of length {length}");
@@ -102,7 +118,7 @@ fn analytic_first_surfaces_have_the_same_bits_on_any_number_of_threads() {
     let bits = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         let seen = pool.install(|| first_surface_layers(&scene));
-        let values = |pixel: FirstSurface| [pixel.albedo, pixel.normal, Vec3::splat(pixel.depth)];
+        let values = |pixel: FirstSurface| [pixel.albedo, pixel.normal, Vec3::splat(pixel.depth), pixel.position];
         let bits = seen.into_iter().flat_map(values).flat_map(|vector| vector.to_array().map(f32::to_bits));
         bits.collect::<Vec<_>>()
     };

@@ -117,11 +117,21 @@ fn outputs_that_do_not_fit_their_options_are_wrong_usage() {
     let folder = tempfile::tempdir().expect("a folder");
     let [exr, png] = ["a.exr", "a.png"].map(|name| folder.path().join(name).to_string_lossy().into_owned());
     let refused = |options: &[&str]| failure(&run(&[["render", SCENE].as_slice(), options].concat()), 2);
-    assert!(refused(&["-o", "a.jpg"]).contains(".exr or .png"));
+    assert!(refused(&["-o", "a.gif"]).contains(".exr, .png, .jpg or .webp"));
     let layers = refused(&["-o", &png, "--layers", "depth"]);
     assert!(layers.contains("--layers goes into EXR files, and none is written"), "{layers}");
     let exposure = refused(&["-o", &exr, "--exposure", "1"]);
-    assert!(exposure.contains("--exposure changes PNG files, and none is written"), "{exposure}");
+    let expected =
+        "--exposure changes pictures to look at, and none is written; give an -o that ends in .png, .jpg or .webp";
+    assert!(exposure.contains(expected), "{exposure}");
+    assert!(refused(&["-o", &exr, "--tone", "agx"]).contains("--tone changes pictures to look at"));
+    assert!(refused(&["-o", &png, "--half"]).contains("--half changes EXR files, and none is written"));
+    assert!(refused(&["-o", &exr, "--bits", "16"]).contains("--bits changes PNG files, and none is written"));
+    assert!(refused(&["-o", &png, "--quality", "80"]).contains("--quality changes JPEG files, and none is written"));
+    assert!(refused(&["-o", &png, "--bits", "12"]).contains("possible values: 8, 16"));
+    assert!(refused(&["-o", &png, "--tone", "acid"]).contains("linear, filmic, agx"));
+    assert!(refused(&["-o", "a.jpg", "--quality", "0"]).contains("1..=100"));
+    assert!(refused(&["-o", &png, "--exposure", "bright"]).contains("give a number of stops, or auto"));
     let fetch = failure(&run(&["fetch", "job", "-o", &png, "--layers", "depth", "--coordinator", NOBODY]), 2);
     assert!(fetch.contains("--layers goes into EXR files"), "{fetch}");
     assert!(!Path::new(&exr).exists() && !Path::new(&png).exists());

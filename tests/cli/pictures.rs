@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::command_line::{ended, program, run};
-use photonfarm::estimate::picture_files::{PictureOrigin, read_origin};
+use photonfarm::estimate::picture_files::{PictureOrigin, decode_exr, read_origin};
 
 const SCENE: &str = "tests/references/cornell-diffuse/scene.xml";
 
@@ -50,6 +50,26 @@ fn pictures_of_more_passes_stay_and_the_user_is_told() {
     let other = ["render", scene, "--size", "8", "--method", "path", "--passes", "1", "-o", "a.exr"];
     assert!(told(folder, &other).contains("wrote a.exr\n"));
     assert_eq!(passes(&exr), Some(1));
+}
+
+#[test]
+fn pictures_have_the_format_that_their_names_ask_for() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = std::path::absolute(SCENE).expect("a path");
+    let outputs = ["-o", "a.exr", "-o", "a.png", "-o", "a.jpeg", "-o", "a.webp"];
+    let options = ["--size", "16", "--method", "path", "--passes", "2", "--tone", "agx", "--exposure", "auto"];
+    let formats = ["--half", "--bits", "16", "--quality", "95"];
+    let scene = ["render", scene.to_str().expect("UTF-8")];
+    told(folder.path(), &[scene.as_slice(), &options, &outputs, &formats].concat());
+    let read = |name: &str| std::fs::read(folder.path().join(name)).expect("a picture");
+    let decoded = |name: &str| image::load_from_memory(&read(name)).expect("decodes");
+    assert_eq!(decoded("a.png").color(), image::ColorType::Rgb16);
+    let [png, jpeg, webp] = ["a.png", "a.jpeg", "a.webp"].map(|name| decoded(name).to_rgb8());
+    assert!(webp.iter().zip(png.iter()).all(|(a, b)| a.abs_diff(*b) <= 1));
+    assert!(jpeg.dimensions() == (16, 16) && read("a.jpeg").starts_with(&[0xff, 0xd8]));
+    // Half floats have bits only above the lowest 13 of 32.
+    let exr = decode_exr(&read("a.exr")).expect("decodes");
+    assert!(exr.radiance.iter().flatten().all(|value| value.to_bits() & 0x1fff == 0));
 }
 
 #[test]

@@ -1,6 +1,10 @@
-//! Custom attributes of an EXR header, in an order that is always the same.
+//! Attributes of an EXR header: those that OpenEXR names, and photonfarm's own, in an order that is always the same.
+//!
+//! The header is a function of the job: no time of writing is in it, so that the same picture gives the same bytes.
 
-use exr::meta::attribute::{AttributeValue, Text};
+use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
+use exr::prelude::{LayerAttributes, Vec2};
+use time::OffsetDateTime;
 
 use super::{PictureFileError, PictureMetadata};
 
@@ -9,8 +13,49 @@ pub(super) const PASSES: &str = "photonfarm.passes";
 /// The attribute that holds its scene's hash.
 pub(super) const SCENE: &str = "photonfarm.scene";
 
-/// The attributes that say where a picture comes from. Counts that may not fit into EXR's 32-bit integers are text.
-pub(super) fn attributes(metadata: &PictureMetadata) -> Vec<(Text, AttributeValue)> {
+/// The primaries and the white of all pictures (ITU-R BT.709).
+pub(super) const REC_709: Chromaticities =
+    Chromaticities { red: Vec2(0.64, 0.33), green: Vec2(0.3, 0.6), blue: Vec2(0.15, 0.06), white: Vec2(0.3127, 0.329) };
+
+/// The attributes that say where a picture comes from.
+pub(super) fn attributes(metadata: &PictureMetadata) -> LayerAttributes {
+    let capture_date = metadata.submitted.and_then(date_and_time);
+    LayerAttributes {
+        software_name: Some(concat!("photonfarm ", env!("CARGO_PKG_VERSION")).into()),
+        owner: metadata.owner.as_deref().map(text),
+        comments: comment(metadata).as_deref().map(text),
+        // The date is one of Greenwich.
+        utc_offset: capture_date.is_some().then_some(0.0),
+        capture_date,
+        world_to_camera: metadata.world_to_camera,
+        world_to_normalized_device: metadata.world_to_ndc,
+        other: own_attributes(metadata).into_iter().collect(),
+        ..LayerAttributes::default()
+    }
+}
+
+/// What people read of a picture first.
+fn comment(metadata: &PictureMetadata) -> Option<String> {
+    let PictureMetadata { name, method, passes, .. } = metadata;
+    if method.is_empty() {
+        return name.clone();
+    }
+    let plural = if *passes == 1 { "" } else { "es" };
+    let name = name.as_ref().map_or(String::new(), |name| format!("{name}: "));
+    Some(format!("{name}{passes} pass{plural} of {method}, radiance in W/(sr*m^2)"))
+}
+
+/// Seconds since 1970 as OpenEXR writes times; `None` for years that have more than four digits.
+fn date_and_time(seconds: u64) -> Option<Text> {
+    let time = OffsetDateTime::from_unix_timestamp(i64::try_from(seconds).ok()?).ok()?;
+    let (year, month, day) = time.to_calendar_date();
+    let (hour, minute, second) = time.to_hms();
+    let month = u8::from(month);
+    (year <= 9999).then(|| text(&format!("{year:04}:{month:02}:{day:02} {hour:02}:{minute:02}:{second:02}")))
+}
+
+/// The attributes that only photonfarm knows. Counts that may not fit into EXR's 32-bit integers are text.
+fn own_attributes(metadata: &PictureMetadata) -> Vec<(Text, AttributeValue)> {
     let parameters = serde_json::Value::Object(metadata.parameters.clone()).to_string();
     let texts = [
         ("photonfarm.job", metadata.job.clone()),
@@ -22,8 +67,11 @@ pub(super) fn attributes(metadata: &PictureMetadata) -> Vec<(Text, AttributeValu
         ("photonfarm.seed", metadata.seed.to_string()),
         ("photonfarm.version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    let text = |value: &str| Text::from_slice_unchecked(ascii(value).as_bytes());
     texts.map(|(name, value)| (text(name), AttributeValue::Text(text(&value)))).to_vec()
+}
+
+fn text(value: &str) -> Text {
+    Text::from_slice_unchecked(ascii(value).as_bytes())
 }
 
 /// EXR knows bytes only: whatever is not ASCII is written as JSON writes it, `\u` and four hexadecimal digits.

@@ -1,4 +1,4 @@
-//! OpenEXR: 32-bit float, linear Rec. 709, with the job in the header.
+//! OpenEXR: 32-bit or 16-bit float, linear Rec. 709, with the job in the header.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -6,11 +6,12 @@ use std::path::Path;
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, Text};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, Layers, ReadChannels, ReadLayers,
-    Vec2, WritableImage, read,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, Layers, ReadChannels, ReadLayers, Vec2,
+    WritableImage, read,
 };
 
-use super::exr_attributes::{PASSES, SCENE, attributes, sort_attributes};
+use super::exr_attributes::{PASSES, REC_709, SCENE, attributes, sort_attributes};
+use super::half_precision::{half_layers, half_samples, layer_of};
 use super::{Channels, PictureFileError, PictureLayer, PictureMetadata, PictureOrigin};
 use crate::estimate::Picture;
 
@@ -23,22 +24,38 @@ pub fn encode_exr(
     encode_channels(Channels::of(picture, layers)?, metadata)
 }
 
+/// The same with 16-bit floats for colors and directions: three decimal digits, up to 65504. A layer with larger numbers stays at 32 bits, and so
+/// do layers that [`allows_half`](super::LayerRow::allows_half) excepts.
+pub fn encode_half_exr(
+    picture: &Picture,
+    layers: &[PictureLayer],
+    metadata: &PictureMetadata,
+) -> Result<Vec<u8>, PictureFileError> {
+    let channels = Channels::of(picture, layers)?;
+    let half = half_layers(&channels.named);
+    encode(channels, &half, metadata)
+}
+
 /// Encodes channels of any names with their origin, as [`encode_exr`] does.
 pub fn encode_channels(channels: Channels, metadata: &PictureMetadata) -> Result<Vec<u8>, PictureFileError> {
+    encode(channels, &[], metadata)
+}
+
+/// Encodes channels, those of the layers `half` with 16 bits.
+fn encode(channels: Channels, half: &[String], metadata: &PictureMetadata) -> Result<Vec<u8>, PictureFileError> {
     let size = Vec2(channels.width as usize, channels.height as usize);
     let channels = channels.named;
     if let Some((name, values)) = channels.iter().find(|(_, values)| values.len() != size.area() || values.is_empty()) {
         let problem = format!("channel {name} has {} values for {} × {} pixels", values.len(), size.0, size.1);
         return Err(PictureFileError::Encode { problem });
     }
-    let channels = channels.into_iter().map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)));
-    let layer_attributes = LayerAttributes {
-        software_name: Some(concat!("photonfarm ", env!("CARGO_PKG_VERSION")).into()),
-        other: attributes(metadata).into_iter().collect(),
-        ..LayerAttributes::default()
-    };
+    let channels = channels.into_iter().map(|(name, values)| {
+        let is_half = half.iter().any(|layer| layer == layer_of(&name));
+        AnyChannel::new(name.as_str(), if is_half { half_samples(&values) } else { FlatSamples::F32(values) })
+    });
     let channels = AnyChannels::sort(channels.collect());
-    let image = Image::from_layer(Layer::new(size, layer_attributes, Encoding::SMALL_LOSSLESS, channels));
+    let mut image = Image::from_layer(Layer::new(size, attributes(metadata), Encoding::SMALL_LOSSLESS, channels));
+    image.attributes.chromaticities = Some(REC_709);
     let mut file = Cursor::new(Vec::new());
     let written = image.write().non_parallel().to_buffered(&mut file);
     written.map_err(|error| PictureFileError::Encode { problem: error.to_string() })?;

@@ -16,6 +16,8 @@ pub enum Layer {
     Normal,
     /// Its distance.
     Depth,
+    /// Its place.
+    Position,
 }
 
 /// What a layer is called and holds.
@@ -33,6 +35,8 @@ pub struct LayerRow {
     pub unit: &'static str,
     /// What they hold where there is nothing to tell; empty where that cannot be.
     pub nothing: &'static str,
+    /// Whether 16 bits are enough for it in a picture of half precision; else it stays at 32.
+    pub allows_half: bool,
 }
 
 impl LayerRow {
@@ -58,7 +62,7 @@ pub(super) const RADIANCE_UNIT: &str = "W/(sr·m²)";
 pub const NOTHING_SEEN: f32 = 1e10;
 
 /// All layers, in the order of [`Layer`].
-pub const LAYERS: [LayerRow; 6] = [
+pub const LAYERS: [LayerRow; 7] = [
     LayerRow {
         layer: Layer::Radius,
         name: "radius",
@@ -66,6 +70,7 @@ pub const LAYERS: [LayerRow; 6] = [
         meaning: "gather radius",
         unit: "m",
         nothing: "",
+        allows_half: false,
     },
     LayerRow {
         layer: Layer::Photons,
@@ -74,6 +79,7 @@ pub const LAYERS: [LayerRow; 6] = [
         meaning: "photons accumulated",
         unit: "",
         nothing: "",
+        allows_half: false,
     },
     LayerRow {
         layer: Layer::Error,
@@ -82,6 +88,7 @@ pub const LAYERS: [LayerRow; 6] = [
         meaning: "standard error by noise, as the job itself estimates",
         unit: RADIANCE_UNIT,
         nothing: "NaN before each twin has a pass",
+        allows_half: false,
     },
     LayerRow {
         layer: Layer::Albedo,
@@ -90,6 +97,7 @@ pub const LAYERS: [LayerRow; 6] = [
         meaning: "share of light that the first surface seen reflects or transmits",
         unit: "",
         nothing: "",
+        allows_half: true,
     },
     LayerRow {
         layer: Layer::Normal,
@@ -98,6 +106,7 @@ pub const LAYERS: [LayerRow; 6] = [
         meaning: "shading normal of the first surface seen, world space",
         unit: "",
         nothing: "",
+        allows_half: true,
     },
     LayerRow {
         layer: Layer::Depth,
@@ -106,6 +115,16 @@ pub const LAYERS: [LayerRow; 6] = [
         meaning: "distance of the first surface seen from the camera",
         unit: "m",
         nothing: "1e10 where nothing is seen",
+        allows_half: false,
+    },
+    LayerRow {
+        layer: Layer::Position,
+        name: "position",
+        channels: &["position.X", "position.Y", "position.Z"],
+        meaning: "place of the first surface seen, world space",
+        unit: "m",
+        nothing: "0 where nothing is seen",
+        allows_half: false,
     },
 ];
 

@@ -1,25 +1,33 @@
-//! Pictures as files: OpenEXR for numbers, PNG for eyes.
+//! Pictures as files: OpenEXR for numbers, PNG, JPEG and WebP for eyes.
 //!
 //! A picture is encoded into memory first and written in one go ([`write_file`]), so a full disk never leaves half a
 //! picture. The same picture always gives the same bytes.
 
 mod atomic_write;
 mod channels;
+mod display_file;
+mod exposure;
 mod exr_attributes;
 mod exr_file;
+mod half_precision;
 mod layers;
 mod png_file;
+mod tone;
 
 use std::path::{Path, PathBuf};
 
 pub use atomic_write::{check_writable, write_file};
 pub use channels::{Channels, LUMINANCE, LayerValues};
+pub use display_file::{Display, DisplayFormat, JPEG_QUALITY, MOST_JPEG_QUALITY, encode_display};
+pub use exposure::{BadExposure, Exposure};
 pub use exr_file::{
-    decode_channels, decode_exr, encode_channels, encode_exr, read_channels, read_exr, read_origin, read_standard_error,
+    decode_channels, decode_exr, encode_channels, encode_exr, encode_half_exr, read_channels, read_exr, read_origin,
+    read_standard_error,
 };
 pub use layers::{LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureLayer, UnknownLayer};
-pub(crate) use png_file::srgb_byte;
 pub use png_file::{encode_png, encode_png_bytes};
+pub(crate) use tone::srgb_byte;
+pub use tone::{TONES, ToneCurve, ToneRow};
 
 /// Where a picture comes from; written into the header of EXR files.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,6 +46,16 @@ pub struct PictureMetadata {
     pub seed: u64,
     /// Hash of the scene.
     pub scene: String,
+    /// What people call the job.
+    pub name: Option<String>,
+    /// Who submitted it.
+    pub owner: Option<String>,
+    /// When it was submitted, seconds since 1970.
+    pub submitted: Option<u64>,
+    /// From the world to the camera's right, up and forward, m: by rows, for row vectors.
+    pub world_to_camera: Option<[f32; 16]>,
+    /// From the world to the picture, (0, 0, z) top left to (1, 1, z) bottom right: by rows, for row vectors.
+    pub world_to_ndc: Option<[f32; 16]>,
 }
 
 /// What a picture file shows.
@@ -52,10 +70,14 @@ pub struct PictureOrigin {
 /// A picture file's format, chosen by the file name's extension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// OpenEXR, 32-bit float, linear.
+    /// OpenEXR, float, linear.
     Exr,
-    /// PNG, 8 bit, sRGB.
+    /// PNG, sRGB.
     Png,
+    /// JPEG, 8 bits, sRGB.
+    Jpeg,
+    /// WebP without loss, 8 bits, sRGB.
+    Webp,
 }
 
 impl PictureFormat {
@@ -65,6 +87,8 @@ impl PictureFormat {
         match extension.to_ascii_lowercase().as_str() {
             "exr" => Ok(Self::Exr),
             "png" => Ok(Self::Png),
+            "jpg" | "jpeg" => Ok(Self::Jpeg),
+            "webp" => Ok(Self::Webp),
             _ => Err(PictureFileError::UnknownFormat { path: path.to_owned() }),
         }
     }
@@ -74,7 +98,7 @@ impl PictureFormat {
 #[derive(Debug, thiserror::Error)]
 pub enum PictureFileError {
     /// The extension names no format.
-    #[error("\"{path}\" does not say which format it has; end the name in .exr or .png", path = .path.display())]
+    #[error("\"{path}\" does not say which format it has; end the name in .exr, .png, .jpg or .webp", path = .path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,

@@ -74,6 +74,7 @@ use super::store::journal::JournalRow;
 use crate::estimate::Picture;
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::import::changes::with_changes;
+use crate::scene::camera::CameraMatrices;
 
 /// The door to a running coordinator. Cheap to clone; all clones speak to the same one.
 #[derive(Clone)]
@@ -124,6 +125,11 @@ impl CoordinatorHandle {
     /// What is known of an uploaded scene.
     pub fn scene(&self, hash: &str) -> Result<SceneSummary, FarmError> {
         self.shared.scene(hash).map(|scene| scene.summary.clone())
+    }
+
+    /// The camera of an uploaded scene, where it stands somewhere.
+    pub fn camera(&self, hash: &str) -> Result<Option<CameraMatrices>, FarmError> {
+        self.shared.scene(hash).map(|scene| scene.camera)
     }
 
     /// All uploaded scenes, by hash.

@@ -120,7 +120,7 @@ impl Shared {
 }
 
 fn is_of_first_surface(layer: Layer) -> bool {
-    matches!(layer, Layer::Albedo | Layer::Normal | Layer::Depth)
+    matches!(layer, Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position)
 }
 
 /// A layer that the estimate holds.
@@ -131,7 +131,7 @@ fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
         Layer::Photons => pixels.map(|pixel| pixel.photons as f32).collect(),
         // Nothing is known before each twin has a pass.
         Layer::Error => estimate.standard_error().unwrap_or_else(|| vec![f32::NAN; estimate.pixel_count()]),
-        Layer::Albedo | Layer::Normal | Layer::Depth => return None,
+        Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position => return None,
     };
     Some(PictureLayer { layer, channels: vec![values] })
 }
@@ -145,6 +145,7 @@ fn of_first_surface(layer: Layer, seen: &[FirstSurface]) -> Option<PictureLayer>
         Layer::Albedo => axes(|pixel| pixel.albedo.to_array()),
         Layer::Normal => axes(|pixel| pixel.normal.to_array()),
         Layer::Depth => vec![seen.iter().map(|pixel| pixel.depth).collect()],
+        Layer::Position => axes(|pixel| pixel.position.to_array()),
         Layer::Radius | Layer::Photons | Layer::Error => return None,
     };
     Some(PictureLayer { layer, channels })

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::farm::access::user::UserName;
 use crate::method::SceneTraits;
 use crate::scene::Integrator;
+use crate::scene::camera::CameraMatrices;
 
 /// A scene that was uploaded, checked and prepared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
@@ -36,6 +37,9 @@ pub(super) struct SceneRecord {
     pub(super) summary: SceneSummary,
     pub(super) traits: SceneTraits,
     pub(super) integrator: Option<Integrator>,
+    /// For the headers of its pictures. Records of earlier versions have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) camera: Option<CameraMatrices>,
     /// When somebody uploaded it last, milliseconds since 1970.
     #[serde(skip)]
     pub(super) uploaded: AtomicI64,

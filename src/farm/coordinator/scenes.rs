@@ -151,7 +151,8 @@ impl Shared {
         };
         let (integrator, traits) = (scene.integrator.clone(), SceneTraits::of(&scene));
         let uploaded = AtomicI64::new(self.clock.unix_milliseconds());
-        Ok(SceneRecord { summary, integrator, traits, uploaded })
+        let camera = scene.camera.matrices(&scene.film);
+        Ok(SceneRecord { summary, integrator, traits, camera, uploaded })
     }
 
     /// Whether a scene can take parameters of the job's method that name places in it; its `bytes` are asked for only then.

@@ -6,7 +6,7 @@ use crate::math::{Rgb, Vec3};
 use crate::render::first_surface::FirstSurface;
 
 /// Numbers a pixel.
-const WORDS: usize = 7;
+const WORDS: usize = 10;
 
 /// To the message.
 pub fn encode(seen: &[FirstSurface]) -> messages::FirstSurfaces {
@@ -16,8 +16,8 @@ pub fn encode(seen: &[FirstSurface]) -> messages::FirstSurfaces {
 }
 
 fn record(pixel: &FirstSurface) -> [f32; WORDS] {
-    let ([r, g, b], [x, y, z]) = (pixel.albedo.to_array(), pixel.normal.to_array());
-    [r, g, b, x, y, z, pixel.depth]
+    let FirstSurface { albedo, normal, depth, position } = pixel;
+    [albedo.x, albedo.y, albedo.z, normal.x, normal.y, normal.z, *depth, position.x, position.y, position.z]
 }
 
 /// From the message, for a picture of `pixels` pixels; every number must be finite.
@@ -27,8 +27,14 @@ pub fn decode(message: &messages::FirstSurfaces, pixels: usize) -> Result<Vec<Fi
         return Err(WireError::Impossible { field: "first surfaces", problem: format!("a value is {wrong}") });
     }
     let pixel = |pixel: usize| {
-        let [r, g, b, x, y, z, depth] = std::array::from_fn(|channel| values[channel * pixels + pixel]);
-        FirstSurface { albedo: Rgb::new(r, g, b), normal: Vec3::new(x, y, z), depth }
+        let value = |channel: usize| values[channel * pixels + pixel];
+        let vector = |first: usize| Vec3::new(value(first), value(first + 1), value(first + 2));
+        FirstSurface {
+            albedo: Rgb::new(value(0), value(1), value(2)),
+            normal: vector(3),
+            depth: value(6),
+            position: vector(7),
+        }
     };
     Ok((0..pixels).map(pixel).collect())
 }

@@ -18,6 +18,7 @@
 //! the picture is forward, and its clip distances are along the rays.
 
 mod distant;
+mod matrices;
 mod meter;
 mod spherical;
 
@@ -31,6 +32,7 @@ use super::geometry::Ray;
 use super::geometry::transform::{ToWorld, to_single};
 use super::unsupported::unknown_plugin;
 use crate::math::{Vec2, warp};
+pub use matrices::CameraMatrices;
 
 /// How directions become places of the film.
 #[derive(Clone, Copy, Debug)]

@@ -1,7 +1,14 @@
 //! Picture files: what is written can be read again, is always the same, and never replaces a good file by half a one.
 
-#[path = "support/exr_channels.rs"]
+#[path = "../support/exr_channels.rs"]
 mod exr_channels;
+#[path = "../support/scene_text.rs"]
+mod scene_text;
+
+mod camera_matrices;
+mod display;
+mod exr_header;
+mod half_precision;
 
 use std::path::Path;
 
@@ -30,6 +37,7 @@ fn metadata() -> PictureMetadata {
         photons_emitted: u64::MAX,
         seed: 3,
         scene: "ab".repeat(32),
+        ..PictureMetadata::default()
     }
 }
 
@@ -167,8 +175,13 @@ fn png_is_srgb_with_exposure_in_stops() {
 fn the_extension_names_the_format() {
     assert_eq!(PictureFormat::of_path(Path::new("a/b.EXR")).ok(), Some(PictureFormat::Exr));
     assert_eq!(PictureFormat::of_path(Path::new("b.png")).ok(), Some(PictureFormat::Png));
+    for name in ["a.jpg", "a.jpeg", "A.JPG"] {
+        assert_eq!(PictureFormat::of_path(Path::new(name)).ok(), Some(PictureFormat::Jpeg), "{name}");
+    }
+    assert_eq!(PictureFormat::of_path(Path::new("a.webp")).ok(), Some(PictureFormat::Webp));
     assert!(PictureFormat::of_path(Path::new("exr")).is_err());
-    assert!(PictureFormat::of_path(Path::new("a.jpg")).is_err());
+    let unknown = PictureFormat::of_path(Path::new("a.gif")).expect_err("no such format").to_string();
+    assert!(unknown.contains(".exr, .png, .jpg or .webp"), "{unknown}");
 }
 
 #[test]
