@@ -12,7 +12,6 @@ pub mod gather_ends;
 pub mod light_tracing;
 pub mod mlt;
 pub mod mmlt;
-pub mod mps;
 pub mod parameter_values;
 pub mod parameters;
 pub mod path;
@@ -101,7 +100,7 @@ pub const METHODS: &[MethodEntry] = &[
     vcm::ENTRY,
     mmlt::ENTRY,
     mlt::ENTRY,
-    mps::ENTRY,
+    photon_map::mps::ENTRY,
 ];
 
 /// A way of finding paths of a length.

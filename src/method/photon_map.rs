@@ -55,6 +55,7 @@ mod hierarchy;
 mod irradiance_cache;
 mod local_pass;
 mod look_up;
+pub mod mps;
 mod parameters;
 mod second_pass;
 mod storage;
@@ -65,13 +66,9 @@ use std::sync::atomic::AtomicBool;
 
 use hierarchy::Hierarchy;
 use look_up::LookUp;
-use parameters::DirectMode;
-pub(super) use parameters::{
-    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, GatherRays,
-    LARGEST_RADIUS, NEIGHBORS, Neighbors, Parameters,
-};
+use parameters::{DirectMode, Parameters};
 use second_pass::{MapChoice, Step, TracedPass};
-pub(super) use whole_paths::PhotonPathSettings;
+use whole_paths::PhotonPathSettings;
 
 use super::gather_ends::GatherEnds;
 use super::parameter_values::{Emission, limits};
@@ -155,7 +152,7 @@ impl ParameterizedMethod for Parameters {
 
 impl TwoPasses {
     /// Prepares both passes for a scene.
-    pub(super) fn new(
+    fn new(
         parameters: Parameters,
         scene: Arc<Scene>,
         photons_per_pass: u32,
@@ -183,7 +180,7 @@ impl TwoPasses {
 }
 
 /// A scene and the method's parameters.
-pub(super) struct TwoPasses {
+struct TwoPasses {
     scene: Arc<Scene>,
     seed: u64,
     limits: Limits,

@@ -15,47 +15,47 @@ use crate::transport::occlusion::Occlusion;
 
 bounded! {
     /// k, photons in a look-up.
-    pub(in crate::method) struct Neighbors(u32), [2 to 65536]
+    pub(super) struct Neighbors(u32), [2 to 65536]
 }
 
 bounded! {
     /// Maps that every estimate is the mean of.
-    pub(in crate::method) struct MapCount(u32), [1 to 64]
+    pub(super) struct MapCount(u32), [1 to 64]
 }
 
 bounded! {
     /// Camera paths of a pixel and pass.
-    pub(in crate::method) struct CameraPaths(u32), [1 to 64]
+    pub(super) struct CameraPaths(u32), [1 to 64]
 }
 
 bounded! {
     /// S: the maps that pixels look at in turn are S².
-    pub(in crate::method) struct Skipping(u32), [1 to 16]
+    pub(super) struct Skipping(u32), [1 to 16]
 }
 
 bounded! {
     /// Levels of a scanline's hat basis under its base.
-    pub(in crate::method) struct Levels(u32), [0 to 16]
+    pub(super) struct Levels(u32), [0 to 16]
 }
 
 bounded! {
     /// Samples of a pixel on a level.
-    pub(in crate::method) struct LevelSamples(u32), [1 to 256]
+    pub(super) struct LevelSamples(u32), [1 to 256]
 }
 
 bounded! {
     /// The contrast from which pixels are localized, %; 0 localizes none.
-    pub(in crate::method) struct Contrast(u32), [0 to 1000]
+    pub(super) struct Contrast(u32), [0 to 1000]
 }
 
 bounded! {
     /// Gather rays of a camera path.
-    pub(in crate::method) struct GatherRays(u32), [0 to 1024]
+    pub(super) struct GatherRays(u32), [0 to 1024]
 }
 
 bounded! {
     /// The largest angle between a photon's direction and the normal, degrees.
-    pub(in crate::method) struct ArrivalAngle(u32), [1 to 180]
+    pub(super) struct ArrivalAngle(u32), [1 to 180]
 }
 
 impl ArrivalAngle {
@@ -67,12 +67,12 @@ impl ArrivalAngle {
 
 bounded! {
     /// A share of k photons, %.
-    pub(in crate::method) struct ShareOfNeighbors(u32), [0 to 100]
+    pub(super) struct ShareOfNeighbors(u32), [0 to 100]
 }
 
 bounded! {
     /// S, caustic photons for each that the pass would have.
-    pub(in crate::method) struct SplittingFactor(u32), [1 to 4096]
+    pub(super) struct SplittingFactor(u32), [1 to 4096]
 }
 
 impl ParameterValue for Splitting {
@@ -85,18 +85,18 @@ impl ParameterValue for Storage {
 
 bounded! {
     /// Light samples at a point.
-    pub(in crate::method) struct LightSamples(u32), [1 to 1024]
+    pub(super) struct LightSamples(u32), [1 to 1024]
 }
 
 bounded! {
     /// How far a look-up is used again, in its radii.
-    pub(in crate::method) struct Reuse(f64), [0.0 to 1.0]
+    pub(super) struct Reuse(f64), [0.0 to 1.0]
 }
 
 /// How direct light is found where a camera path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(in crate::method) enum DirectMode {
+pub(super) enum DirectMode {
     /// Lights are sampled.
     Sample,
     /// Photons that came straight from lights are looked up.
@@ -113,18 +113,18 @@ impl ParameterValue for DirectMode {
 
 bounded! {
     /// a, the largest error of interpolated irradiance.
-    pub(in crate::method) struct CacheError(f64) or Switchable, [0.001 to 1.0]
+    pub(super) struct CacheError(f64) or Switchable, [0.001 to 1.0]
 }
 
 bounded! {
     /// Gather rays of a record.
-    pub(in crate::method) struct CacheRays(u32) or Auto, [16 to 4096]
+    pub(super) struct CacheRays(u32) or Auto, [16 to 4096]
 }
 
 /// The structure that photons are looked up in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::method) enum Structure {
+pub(super) enum Structure {
     /// Cells of equal size.
     Grid,
     /// A balanced tree.
@@ -138,7 +138,7 @@ impl ParameterValue for Structure {
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(in crate::method) enum ShownPart {
+pub(super) enum ShownPart {
     /// Radiance.
     Radiance,
     /// White where a pixel is localized, black where it is not.
@@ -159,40 +159,33 @@ impl ParameterValue for NeighborChoice {
 }
 
 /// How many photons a look-up of the global map takes.
-pub(in crate::method) const NEIGHBORS: Parameter<Neighbors> =
+pub(super) const NEIGHBORS: Parameter<Neighbors> =
     parameter("nearest photons in a look-up of the global map", Neighbors::new(20).expect("in range"), "20");
 
 /// The same of the caustic map.
-pub(in crate::method) const CAUSTIC_NEIGHBORS: Parameter<Neighbors> =
+pub(super) const CAUSTIC_NEIGHBORS: Parameter<Neighbors> =
     parameter("nearest photons in a look-up of the caustic map", Neighbors::new(10).expect("in range"), "10");
 
 /// How far look-ups reach.
-pub(in crate::method) const LARGEST_RADIUS: Parameter<Auto<Radius>> = parameter(
+pub(super) const LARGEST_RADIUS: Parameter<Auto<Radius>> = parameter(
     "largest radius of a look-up, m; gather rays shorter than it go on",
     Auto::Auto,
     "auto: half the area that k photons take on average",
 );
 
-/// How many rays gather.
-pub(in crate::method) const FINAL_GATHER: Parameter<GatherRays> = parameter(
-    "gather rays per camera path; 0 looks at the global map directly",
-    GatherRays::new(4).expect("in range"),
-    "4",
-);
-
 /// Whether irradiance is interpolated.
-pub(in crate::method) const CACHE_ERROR: Parameter<Switchable<CacheError>> = parameter(
+pub(super) const CACHE_ERROR: Parameter<Switchable<CacheError>> = parameter(
     "irradiance cache: error that interpolation on matte surfaces may have, Ward's a",
     Switchable::Off,
     "off",
 );
 
 /// From what.
-pub(in crate::method) const CACHE_RAYS: Parameter<Auto<CacheRays>> =
+pub(super) const CACHE_RAYS: Parameter<Auto<CacheRays>> =
     parameter("irradiance cache: gather rays of a record", Auto::Auto, "auto: 256");
 
 /// Camera paths of a pixel.
-pub(in crate::method) const CAMERA_PATHS: Parameter<CameraPaths> = parameter(
+pub(super) const CAMERA_PATHS: Parameter<CameraPaths> = parameter(
     "camera paths per pixel and pass, which all look at the same maps",
     CameraPaths::new(1).expect("in range"),
     "1",
@@ -200,7 +193,7 @@ pub(in crate::method) const CAMERA_PATHS: Parameter<CameraPaths> = parameter(
 
 parameters! {
     /// Parameters of `photon_map`.
-    pub(in crate::method) struct Parameters {
+    pub(super) struct Parameters {
         photons_per_pass: Auto<PhotonCount> = PHOTONS,
         neighbors: Neighbors = NEIGHBORS,
         caustic_neighbors: Neighbors = CAUSTIC_NEIGHBORS,
@@ -249,7 +242,11 @@ parameters! {
             ShareOfNeighbors::new(0).expect("in range"),
             "0",
         ),
-        final_gather: GatherRays = FINAL_GATHER,
+        final_gather: GatherRays = parameter(
+    "gather rays per camera path; 0 looks at the global map directly",
+    GatherRays::new(4).expect("in range"),
+    "4",
+),
         cache_error: Switchable<CacheError> = CACHE_ERROR,
         cache_rays: Auto<CacheRays> = CACHE_RAYS,
         structure: Structure =

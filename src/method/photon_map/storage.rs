@@ -17,7 +17,7 @@ use crate::transport::photon_map::OriginPhoton;
 /// Which photons of the global map are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(in crate::method) enum Storage {
+pub(super) enum Storage {
     /// All of them.
     All,
     /// With a probability by importance, and with their flux over it.

@@ -26,15 +26,15 @@ const EYE_SUBPATHS: u32 = 1 << 14;
 const SHORTEST: u32 = 3;
 
 /// How photons of whole paths are made.
-pub(in crate::method) struct PhotonPathSettings {
+pub(super) struct PhotonPathSettings {
     /// What chains are proposed.
-    pub(in crate::method) paths: WholePaths,
+    pub(super) paths: WholePaths,
     /// Chains of a pass.
-    pub(in crate::method) chains: u32,
+    pub(super) chains: u32,
     /// The share of large steps, %.
-    pub(in crate::method) large_steps: u32,
+    pub(super) large_steps: u32,
     /// K, ways to the eye for each photon.
-    pub(in crate::method) ways: u32,
+    pub(super) ways: u32,
 }
 
 impl TwoPasses {

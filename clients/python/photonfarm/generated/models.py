@@ -103,6 +103,37 @@ class Health(BaseModel):
     """
 
 
+class HistoryPoint(BaseModel):
+    """
+    An estimate and when it was made.
+    """
+
+    bias: float
+    """
+    Its part by the bias of density estimates.
+    """
+    bound: float
+    """
+    relMSE was below this with 95 % confidence.
+    """
+    noise: float
+    """
+    Its part by noise.
+    """
+    passes: Annotated[int, Field(ge=0)]
+    """
+    Passes merged then.
+    """
+    relmse: float
+    """
+    The estimate: noise and bias together.
+    """
+    seconds: float
+    """
+    Seconds that the job had been running.
+    """
+
+
 class JobLinks(BaseModel):
     """
     Addresses that belong to a job.
@@ -523,6 +554,17 @@ class CloneRequest(BaseModel):
     Seed of all random numbers.
     """
     stop: StopRule | None = None
+
+
+class History(BaseModel):
+    """
+    How a job's error fell.
+    """
+
+    points: list[HistoryPoint]
+    """
+    Oldest first; empty while nothing was estimated.
+    """
 
 
 class JobPatch(BaseModel):

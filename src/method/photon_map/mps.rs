@@ -16,28 +16,27 @@
 
 use std::sync::Arc;
 
-use super::chain_pass::{CHAINS, ChainCount, LARGE_STEPS, Percent};
-use super::parameter_values::{
+use super::TwoPasses;
+use super::parameters::{
+    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, GatherRays,
+    LARGEST_RADIUS, NEIGHBORS, Neighbors, Parameters as SecondPass,
+};
+use super::whole_paths::PhotonPathSettings;
+use crate::method::bounded_numbers::bounded;
+use crate::method::chain_pass::{CHAINS, ChainCount, LARGE_STEPS, Percent};
+use crate::method::parameter_values::{
     Auto, Depth, LightPicks, Passes, PhotonCount, PhotonEmission, Radius, RouletteDepth, Switchable, limits,
 };
-use super::parameters::{ParameterSet, parameters, read_method};
-use super::photon_map::{self, PhotonPathSettings, TwoPasses};
-use super::shared_parameters::{LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
-use super::visibility_pilot::LightSampling;
-use super::whole_paths::{
+use crate::method::parameters::{ParameterSet, parameter, parameters, read_method};
+use crate::method::shared_parameters::{LIGHT_PICKS, MAX_DEPTH, PASSES, PHOTONS, RR_DEPTH};
+use crate::method::visibility_pilot::LightSampling;
+use crate::method::whole_paths::{
     BIDIRECTIONAL, CAUSTIC, LENS, LENS_SUBPATH, PHOTON_MAP, Parts, Proposals, USER_PATH, USER_PATHS, UserPaths,
     WholePaths,
 };
-use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod};
+use crate::method::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod};
 use crate::scene::Scene;
 use crate::transport::counters::Step;
-
-use super::bounded_numbers::bounded;
-use super::parameters::parameter;
-use super::photon_map::{
-    CACHE_ERROR, CACHE_RAYS, CAMERA_PATHS, CAUSTIC_NEIGHBORS, CacheError, CacheRays, CameraPaths, GatherRays,
-    LARGEST_RADIUS, NEIGHBORS, Neighbors,
-};
 
 /// The row of the table.
 pub const ENTRY: MethodEntry = MethodEntry {
@@ -155,8 +154,8 @@ impl Parameters {
     }
 
     /// How photons are looked up.
-    fn second_pass(&self) -> photon_map::Parameters {
-        photon_map::Parameters {
+    fn second_pass(&self) -> SecondPass {
+        SecondPass {
             photons_per_pass: self.photons_per_pass,
             emission: PhotonEmission::Power,
             neighbors: self.neighbors,
@@ -170,7 +169,7 @@ impl Parameters {
             max_depth: self.max_depth,
             rr_depth: self.rr_depth,
             passes: self.passes,
-            ..photon_map::Parameters::default()
+            ..SecondPass::default()
         }
     }
 }
