@@ -431,8 +431,11 @@ fn structure_methods_never_import_each_other() {
     let mut violations = Vec::new();
     let sources = sources();
     for method in METHODS {
-        let path = format!("method/{}.rs", method.name);
-        let file = sources.iter().find(|file| file.path == path).unwrap_or_else(|| panic!("{path} is missing"));
+        // A method that is another one but for a part stands beside that one's parts.
+        let end = format!("/{}.rs", method.name);
+        let is_its_own = |file: &&SourceFile| file.path.starts_with("method/") && file.path.ends_with(&end);
+        let file = sources.iter().find(is_its_own).unwrap_or_else(|| panic!("{} has no file", method.name));
+        let path = &file.path;
         for other in METHODS.iter().filter(|other| other.name != method.name) {
             // The photon map itself is a module of transport.
             let paths = words_before_colons(&file.code)

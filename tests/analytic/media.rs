@@ -19,9 +19,15 @@ fn scene(content: &str) -> Arc<Scene> {
 /// The mean of each channel.
 fn render(scene: &Arc<Scene>, name: &str, passes: u32) -> [f64; 3] {
     let mut parameters = few_photons(name);
-    if name == "mmlt" {
+    if ["mmlt", "mlt"].contains(&name) {
         // Chains begin with what a quarter as many paths find, and few of those find light behind glass.
         parameters.insert("mutations".to_owned(), 256.into());
+    }
+    if name == "mps" {
+        // The same, and of photons of two kinds side by side more have to count in a look-up.
+        for (parameter, value) in [("photons_per_pass", 65_536), ("large_steps", 100), ("caustic_neighbors", 100)] {
+            parameters.insert(parameter.to_owned(), value.into());
+        }
     }
     let picture = rendered(scene, name, parameters, passes, 7).radiance;
     [0, 1, 2].map(|channel| picture.iter().map(|pixel| f64::from(pixel[channel])).sum::<f64>() / picture.len() as f64)

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::mutation::Source;
+use super::path_space::absorption::passing;
 use super::path_space::extension::Tracer;
 use super::path_space::lobe_choice::Lobe;
 use super::path_space::path::PathVertex;
@@ -12,10 +13,10 @@ use super::path_space::window::FilmWindow;
 use crate::math::color::luminance;
 use crate::math::random::PassRandom;
 use crate::math::{Rgb, Vec3};
-use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 use crate::scene::geometry::surface::NO_LIGHT;
 use crate::scene::material::TransportMode;
+use crate::scene::{MediumIndex, Scene};
 use crate::transport::Counters;
 use crate::transport::visibility::SHADOW_END;
 
@@ -26,6 +27,8 @@ pub struct EyeSubpath {
     end: PathVertex,
     /// Unit direction from there to the vertex before.
     back: Vec3,
+    /// The medium that it came through.
+    medium: MediumIndex,
     /// What its picture is multiplied with, over the density of the subpath, times the number of pixels.
     throughput: Rgb,
 }
@@ -100,15 +103,19 @@ impl EyeSubpath {
         let end = *chain.last()?;
         let seen = scene.camera.look_at(chain[0].hit.position, lens).filter(|seen| scene.film.reaches(seen.film))?;
         let mut throughput = Rgb::splat((f64::from(scene.film.whole_pixel_count()) / window.density()) as f32);
-        let mut back = seen.direction;
+        let (mut back, mut medium) = (seen.direction, scene.camera_medium);
+        throughput *= passing(scene, medium, first.position, back, first.distance);
         for pair in chain.windows(2) {
             let on = (pair[1].hit.position - pair[0].hit.position).normalize();
             let (terms, value) = pair[0].terms(scene, on, back)?;
             throughput *= value / terms.to_light as f32;
+            medium = scene.medium_beyond(&pair[0].hit, on, medium);
+            let length = pair[1].hit.position.distance(pair[0].hit.position);
+            throughput *= passing(scene, medium, pair[0].hit.position, on, length);
             back = -on;
         }
         let is_hidden = scene.hides_lights && chain[0].hit.shape.light != NO_LIGHT;
-        (!is_hidden && throughput.is_finite()).then_some(Self { end, back, throughput })
+        (!is_hidden && throughput.is_finite()).then_some(Self { end, back, medium, throughput })
     }
 
     /// What the picture gets, on average over these subpaths, of a photon that brings 1 W from the direction `incident` to `at`: radiance of a pixel over
@@ -125,7 +132,9 @@ impl EyeSubpath {
         let (photon, at_photon) = at.terms(scene, incident, direction)?;
         let (seen, at_end) = self.end.terms(scene, -direction, self.back)?;
         let geometry = photon.camera_cosine * seen.light_cosine / f64::from(distance_squared);
-        let importance = self.throughput * at_end * at_photon * (geometry / seen.camera_lobe) as f32;
+        let medium = scene.medium_beyond(&self.end.hit, -direction, self.medium);
+        let absorbed = passing(scene, medium, at.hit.position, direction, distance_squared.sqrt());
+        let importance = self.throughput * absorbed * at_end * at_photon * (geometry / seen.camera_lobe) as f32;
         if importance == Rgb::ZERO || !importance.is_finite() {
             return None;
         }

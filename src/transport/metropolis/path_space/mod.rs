@@ -5,6 +5,7 @@
 //! |---|---|
 //! | [`path`] | a path and all its factors |
 //! | [`light_end`], [`lobe_choice`], [`window`] | its first vertex, its directions, its last vertex |
+//! | [`absorption`] | what media let pass |
 //! | [`extension`] | new vertices |
 //! | [`proposals`] | changes, one file each |
 //! | [`user_path`] | paths that a user gives |
@@ -12,6 +13,7 @@
 //! A change of a path x into y is taken with probability a = min(1, f*(y) T(y → x) / f*(x) T(x → y)) [V97, eq. 11.4], where T is the density with which a
 //! proposal of one kind makes the one of the other. Each kind keeps f* by itself.
 
+pub mod absorption;
 pub mod extension;
 pub mod light_end;
 pub mod lobe_choice;

@@ -72,6 +72,8 @@ pub struct Terms {
     pub edges: Vec<f64>,
     /// f_s of x₁ to x_{k−1}.
     pub values: Vec<Rgb>,
+    /// What media let pass of the segments from x₀ on; empty where there are none.
+    pub passing: Vec<Rgb>,
     /// f without the geometry terms.
     pub carried: Rgb,
     /// Their product, times the number of pixels: f is the radiance of a pixel around the place.
@@ -128,6 +130,7 @@ impl Path {
             light_direction = -camera_direction;
         }
         terms.edges.push(geometry);
+        self.absorb(scene, terms);
         terms.size *= terms.edges.iter().product::<f64>();
         if scene.hides_lights && self.goes_straight(terms) {
             return None;
@@ -216,6 +219,7 @@ impl Terms {
         let segments = self.edges.len();
         let mut size = f64::from(scene.film.whole_pixel_count());
         let mut value = self.color(index) * self.values[index - 1];
+        value *= self.passing.get(index..).unwrap_or_default().iter().product::<Rgb>();
         if index + 1 == segments {
             // Seen by the camera itself.
             return luminance(value * (size * self.edges[index]) as f32);
@@ -231,7 +235,8 @@ impl Terms {
 
     /// The color of what arrives at vertex x_`index`, of luminance 1.
     pub fn color(&self, index: usize) -> Rgb {
-        let arriving = self.first.radiance * self.values[..index - 1].iter().product::<Rgb>();
+        let passing = self.passing.get(..index).unwrap_or_default().iter().product::<Rgb>();
+        let arriving = self.first.radiance * passing * self.values[..index - 1].iter().product::<Rgb>();
         arriving / luminance(arriving)
     }
 }
