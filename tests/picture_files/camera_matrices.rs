@@ -100,9 +100,9 @@ fn camera_space_is_right_up_forward() {
     let camera = matrices(&scene).expect("it stands somewhere").world_to_camera;
     let (origin, target) = (Vec3::new(3.0, -2.0, 5.0), Vec3::new(0.5, 0.25, -1.0));
     let ahead = [0.0, 0.0, f64::from(origin.distance(target))];
-    for axis in 0..3 {
+    for (axis, expected) in ahead.into_iter().enumerate() {
         assert_close(multiplied(origin, camera)[axis], 0.0, "origin");
-        assert_close(multiplied(target, camera)[axis], ahead[axis], "target");
+        assert_close(multiplied(target, camera)[axis], expected, "target");
     }
     for (point, [x, y]) in points(&scene, 2.0) {
         let [right, up, forward] = multiplied(point, camera);

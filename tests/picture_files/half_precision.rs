@@ -16,7 +16,7 @@ const PIXELS: usize = 48 * 16;
 
 /// From 1e-6 to 3e4, both signs.
 fn value(pixel: usize) -> f32 {
-    let sign = if pixel % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = if pixel.is_multiple_of(2) { 1.0 } else { -1.0 };
     sign * 1e-6 * 10f32.powf(10.48 * pixel as f32 / PIXELS as f32)
 }
 

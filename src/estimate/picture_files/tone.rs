@@ -91,9 +91,9 @@ fn filmic(linear: f32) -> f32 {
 
 /// Rec. 709 to primaries that lie further inwards, so that bright colors of one channel reach the others, too [Sobotka 2022]; by rows.
 const AGX_INSET: [[f32; 3]; 3] = [
-    [0.842_479_062_253_094, 0.078_433_599_999_999_2, 0.079_223_745_147_764_3],
-    [0.042_328_242_261_012_3, 0.878_468_636_469_772, 0.079_166_127_460_543_4],
-    [0.042_375_654_905_705_1, 0.078_433_6, 0.879_142_973_793_104],
+    [0.842_479_05, 0.078_433_6, 0.079_223_745],
+    [0.042_328_242, 0.878_468_63, 0.079_166_13],
+    [0.042_375_654, 0.078_433_6, 0.879_143],
 ];
 const AGX_MIDDLE_GREY: f32 = 0.18;
 /// Stops below and above middle grey that differ from black and white.
