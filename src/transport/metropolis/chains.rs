@@ -59,6 +59,12 @@ pub struct Change {
     pub acceptance: f32,
 }
 
+/// The probability of going from a state to a proposed one, where both are proposed as often. A path that brings nothing is never taken, also from one that
+/// brings so little that it counts as nothing, too.
+pub fn acceptance(proposed: f32, current: f32) -> f32 {
+    if proposed > 0.0 { (proposed / current).min(1.0) } else { 0.0 }
+}
+
 /// How many segments paths have.
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths {
@@ -239,7 +245,7 @@ impl<S: Space> Chains<'_, S> {
             }
             let change = if source.number() < self.large_steps {
                 space.renew(&mut proposed, &mut source, &mut found.counters);
-                Change { step: Step::Large, acceptance: (space.target(&proposed) / target).min(1.0) }
+                Change { step: Step::Large, acceptance: acceptance(space.target(&proposed), target) }
             } else {
                 space.change(&current, &mut proposed, &mut source, &mut found.counters)
             };

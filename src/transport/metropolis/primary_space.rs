@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::chains::{Change, Lengths, Space};
+use super::chains::{Change, Lengths, Space, acceptance};
 use super::mutation::{Source, moved};
 use super::sample::{PathSampler, PrimarySample, Splat, blocks};
 use crate::math::color::luminance;
@@ -61,7 +61,7 @@ impl Space for PrimarySpace<'_> {
             block.iter_mut().for_each(|number| *number = moved(*number, source.number()));
         }
         self.remake(to, counters);
-        Change { step: Step::Small, acceptance: (to.target / from.target).min(1.0) }
+        Change { step: Step::Small, acceptance: acceptance(to.target, from.target) }
     }
 
     fn target(&self, state: &PrimaryState) -> f32 {

@@ -117,10 +117,6 @@ impl PathSpace<'_> {
         source: &mut Source,
         counters: &mut Counters,
     ) -> Option<f32> {
-        if !from.is_known {
-            // Nothing is known of a path that brings nothing; only a large step leads on from there.
-            return None;
-        }
         let before = Known { path: &from.path, terms: &from.terms };
         let PathState { path, chain, .. } = &mut *to;
         let mut tracer = Tracer { scene: self.scene, counters, chain };
