@@ -8,7 +8,7 @@ use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
 use photonfarm::transport::Counters;
-use photonfarm::transport::metropolis::chains::{Lengths, Space};
+use photonfarm::transport::metropolis::chains::{Lengths, Space, acceptance};
 use photonfarm::transport::metropolis::mutation::Source;
 use photonfarm::transport::metropolis::path_space::proposals::{Proposal, Shares};
 use photonfarm::transport::metropolis::path_space::user_path::{GivenPath, UserPath};
@@ -180,4 +180,15 @@ fn user_paths_do_not_bias() {
     println!("{found:.5} ± {error:.5}, {expected:.5} ± {expected_error:.5} without");
     assert!((found - expected).abs() < ERRORS * together, "{found} ± {error}, {expected} without");
     assert!(together < 0.06 * expected, "the test is blind");
+}
+
+/// A chain never goes to a path that brings nothing, also not from one whose target is too small for a number.
+#[test]
+fn paths_that_bring_nothing_are_never_taken() {
+    for (proposed, current, expected) in
+        [(0.0, 0.0, 0.0), (0.0, 2.0, 0.0), (1.0, 2.0, 0.5), (2.0, 1.0, 1.0), (1.0, 0.0, 1.0)]
+    {
+        let found = acceptance(proposed, current);
+        assert!(found == expected, "from {current} to {proposed}: {found}");
+    }
 }
