@@ -195,9 +195,10 @@ pub(super) struct WholePaths {
     pub(super) user_paths: Vec<UserPath>,
 }
 
-impl WholePaths {
-    /// The space of paths in `scene` of which those of `pixels` are wanted.
-    pub(super) fn space_of<'a>(&'a self, scene: &'a Scene, lengths: Lengths, pixels: Range<u32>) -> PathSpace<'a> {
+impl MakeSpace for WholePaths {
+    type Space<'a> = PathSpace<'a>;
+
+    fn space<'a>(&'a self, scene: &'a Scene, lengths: Lengths, pixels: Range<u32>) -> PathSpace<'a> {
         let Self { shares, user_paths } = self;
         PathSpace {
             scene,
@@ -208,13 +209,5 @@ impl WholePaths {
             least_importance: 0.0,
             pixels,
         }
-    }
-}
-
-impl MakeSpace for WholePaths {
-    type Space<'a> = PathSpace<'a>;
-
-    fn space<'a>(&'a self, scene: &'a Scene, lengths: Lengths, pixels: Range<u32>) -> PathSpace<'a> {
-        self.space_of(scene, lengths, pixels)
     }
 }

@@ -8,6 +8,7 @@ use super::first_pass::{MapNumbers, Maps};
 use crate::math::Vec3;
 use crate::math::random::Stream;
 use crate::method::Pass;
+use crate::method::chain_pass::MakeSpace;
 use crate::method::whole_paths::WholePaths;
 use crate::scene::geometry::Ray;
 use crate::transport::Counters;
@@ -53,7 +54,7 @@ impl TwoPasses {
         let (mut caustic, mut total) = self.ordinary_caustics(pass, numbers, photons, cancel)?;
         let mut global = Vec::new();
         if lengths.contain(SHORTEST) {
-            let mut paths = settings.paths.space_of(&self.scene, lengths, 0..0);
+            let mut paths = settings.paths.space(&self.scene, lengths, 0..0);
             let (eye, counters) =
                 EyeSubpaths::trace(&self.scene, &paths.window, EYE_SUBPATHS, &random(Stream::Importance), cancel)?;
             total += counters;

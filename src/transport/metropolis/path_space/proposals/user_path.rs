@@ -32,7 +32,7 @@ impl PathSpace<'_> {
         to.light = Some(light);
         to.lens = from.path.lens;
         to.vertices.clear();
-        for (index, point) in user.points.iter().enumerate() {
+        for point in &user.points {
             let ray = match to.vertices.last().copied() {
                 None => self.ray_from_lamp(&light, point, source)?,
                 Some(last) if last.lobe == Lobe::Specular => {
@@ -46,7 +46,6 @@ impl PathSpace<'_> {
             }
             let lobe = if point.is_specular { Lobe::Specular } else { Lobe::Smooth };
             to.vertices.push(PathVertex { hit, lobe });
-            debug_assert_eq!(to.vertices.len(), index + 1);
         }
         to.vertices.extend_from_slice(&from.path.vertices[first - 1..]);
         let camera = from.path.segments() + 1 - first;
