@@ -262,6 +262,33 @@ async fn killed_workers_do_not_change_the_picture() {
     assert!(farm.bits(id).await == reference("statistics", 75).await);
 }
 
+/// A pass of chains begins anew on another worker as it began on the one that was killed.
+#[tokio::test(flavor = "multi_thread")]
+async fn killed_workers_do_not_change_the_pictures_of_chains() {
+    let whole_paths = json!({ "user_paths": [{ "points": [[0.0, 0.99, 0.0], [0.0, -1.0, 0.3]], "cones": [20.0] }] });
+    for (method, parameters) in [
+        ("mmlt", json!({ "chains": 7 })),
+        ("mlt", whole_paths.clone()),
+        ("mps", whole_paths),
+        ("sppm", json!({ "emission": "metropolis", "photons_per_pass": 3000 })),
+    ] {
+        let parameters = parameters.as_object().expect("an object");
+        let mut pictures = Vec::new();
+        for workers in [1, 5] {
+            let farm = Farm::start(Duration::from_millis(600)).await;
+            let id = farm.submit_method(Some(method), parameters.clone(), passes(40)).await;
+            for round in 0..workers - 1 {
+                let (_, victim) = farm.worker(&format!("victim{round}"), 1);
+                sleep(Duration::from_millis(60 + 40 * round)).await;
+                victim.abort();
+            }
+            let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
+            pictures.push(farm.bits(id).await);
+        }
+        assert!(pictures[0] == pictures[1], "{method}");
+    }
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn an_outage_of_the_coordinator_does_not_change_the_picture() {
     let farm = Farm::start(Duration::from_secs(5)).await;

@@ -24,15 +24,16 @@ use crate::method::{self, CheckedMethod, MethodChoice, MethodError, SceneTraits}
 use crate::render::Cancelled;
 use crate::scene::Scene;
 
-/// The methods to choose from. Not the others: the error of `ppm`'s fixed hit points and of the fixed discs of `photon_map` and
-/// `bdpm` does not show in their passes; `pbdpm` is `vcm` without half of its techniques.
-const CANDIDATES: [Candidate; 6] = [
+/// The methods to choose from. Not the others: the error of `ppm`'s fixed hit points and of the fixed discs of `photon_map`, `mps` and `bdpm` does not
+/// show in their passes; `pbdpm` is `vcm` without half of its techniques, and `mlt` is behind `mmlt` wherever both were tried.
+const CANDIDATES: [Candidate; 7] = [
     Candidate::plain("sppm"),
     Candidate { method: "sppm", parameter: Some(["emission", "metropolis"]) },
     Candidate::plain("path"),
     Candidate::plain("bdpt"),
     Candidate::plain("vcm"),
     Candidate::plain("light_tracing"),
+    Candidate::plain("mmlt"),
 ];
 /// relMSE that a survey aims at when nobody says otherwise.
 pub const DEFAULT_ERROR: f64 = 0.01;

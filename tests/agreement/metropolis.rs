@@ -5,7 +5,7 @@ use crate::progressive;
 
 use photonfarm::estimate::{PixelTally, RadiusField, Region, Shard, picture_files};
 use photonfarm::math::random::{PathRandom, Stream};
-use photonfarm::transport::metropolis::mutation::{Source, moved};
+use photonfarm::transport::metropolis::mutation::{LARGEST_STEP, Source, moved};
 use progressive::{Job, reference_folder, reference_scene};
 
 /// A closed furnace has radiance 1, whichever paths its chains keep to; with mirrors and glass, too.
@@ -84,8 +84,8 @@ fn chains_visit_a_space_in_proportion_to_their_target() {
         let expected = |part: usize| f64::from(samples) * TARGET[part] / total;
         (0..PARTS).map(|part| (visits[part] - expected(part)).powi(2) / expected(part)).sum::<f64>()
     };
-    let right = chi_squared(&moved);
-    let wrong = chi_squared(&|number, u| moved(number, u * u));
+    let right = chi_squared(&|number, u| moved(number, u, LARGEST_STEP));
+    let wrong = chi_squared(&|number, u| moved(number, u * u, LARGEST_STEP));
     println!("χ² {right:.1}, of a lopsided step {wrong:.1}");
     assert!(right < 29.9 && wrong > 60.0, "χ² {right}, of a lopsided step {wrong}");
 }
@@ -101,7 +101,7 @@ fn small_steps_lead_back_as_often() {
     let mut visits = [0.0f64; PARTS];
     for _ in 0..4_000_000 {
         let number = source.number();
-        let next = moved(number, source.number());
+        let next = moved(number, source.number(), LARGEST_STEP);
         assert!((0.0..1.0).contains(&next), "{number} moved to {next}");
         flows[part(number)][part(next)] += 1.0;
         visits[part(next)] += 1.0;

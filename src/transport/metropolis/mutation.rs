@@ -4,8 +4,8 @@ use crate::math::random::PathRandom;
 use crate::math::trigonometry::sin_cos_turn;
 use crate::math::{Frame, Vec3};
 
-/// The largest step of a small change; the smallest is 2⁻⁶ as large.
-const LARGEST_STEP: f32 = 1.0 / 64.0;
+/// The largest step of a small change, unless something else is known to be better.
+pub const LARGEST_STEP: f32 = 1.0 / 64.0;
 /// How often steps are halved from the largest to the smallest.
 const HALVINGS: f32 = 6.0;
 
@@ -55,12 +55,12 @@ impl Source {
     }
 }
 
-/// `number` moved by a small step to either side, round the borders of [0, 1). It is as likely to come back. Steps of all orders of size are about
-/// as frequent.
+/// `number` moved by a small step to either side, round the borders of [0, 1); `largest`, at most 1/2, is the largest step, and the smallest 2⁻⁶ of it. It is
+/// as likely to come back. Steps of all orders of size are about as frequent.
 #[inline]
-pub fn moved(number: f32, u: f32) -> f32 {
+pub fn moved(number: f32, u: f32, largest: f32) -> f32 {
     let (side, u) = if u < 0.5 { (1.0, 2.0 * u) } else { (-1.0, 2.0 * u - 1.0) };
-    let moved = number + side * LARGEST_STEP * halved(HALVINGS * u);
+    let moved = number + side * largest * halved(HALVINGS * u);
     let wrapped = if moved < 0.0 { moved + 1.0 } else { moved };
     if wrapped >= 1.0 { wrapped - 1.0 } else { wrapped }
 }

@@ -6,11 +6,16 @@
 //! [Veach 1997, 11.3.1]. By the balance heuristic a photon of either kind counts 1/(n_u + n_c·I/b₀), with n_u uniform paths, n_c states of chains, and
 //! b₀ about the mean of I; states of chains count b/b₀ times as much, b being the mean of I over the pass's uniform paths. Whatever b₀ is that does
 //! not depend on them, means are right, since b and the starting paths belong together.
+//!
+//! Large steps are the paper's replica exchange: with a uniform target a replica's state is an independent path, which is taken with the probability
+//! min(1, I'/I), and uniform paths count as photons, too. How large small steps are is tuned in every pass by chains of their own, and then left as it is.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
-use super::mutation::{Source, moved};
+use rayon::prelude::*;
+
+use super::mutation::{LARGEST_STEP, Source, moved};
 use crate::math::discrete::Discrete;
 use crate::math::random::{Numbers, PassRandom, PathRandom, dimension};
 use crate::scene::Scene;
@@ -22,8 +27,19 @@ use crate::transport::photon_tracing::{PhotonSettings, trace_photon_with};
 
 /// One path in so many of a pass is sampled uniformly.
 const UNIFORM: u32 = 4;
-/// Beside the paths of a pass one in so many tells b₀.
+/// Beside the paths of a pass one in so many tells b₀, and as many how large steps should be.
 const TRIALS: u32 = 64;
+/// So many steps at least has a chain that tunes them, unless there are not as many, …
+const TUNING_STEPS: u32 = 64;
+/// … and there are so many such chains at most.
+const MOST_TUNING_CHAINS: u32 = 16;
+/// The share of small steps that should be taken. The paper's 0.234 is that of many dimensions and smooth targets; here it made twice the error in a room
+/// whose door leaves a slit (`docs/DEAD-ENDS.md`).
+const ACCEPTANCE: f32 = 0.8;
+/// How quickly tuning goes.
+const GAIN: f32 = 2.0;
+/// The largest step is between so many halvings of 1.
+const HALVINGS: [f32; 2] = [1.0, 12.0];
 /// States of a chain.
 const STATES: u32 = 256;
 /// The share of mutations that change all of a path's numbers.
@@ -67,9 +83,9 @@ impl PathNumbers {
         Self { blocks: std::array::from_fn(|block| rest.block(block as u32)), rest }
     }
 
-    fn moved(mut self, source: &mut Source) -> Self {
+    fn moved(mut self, source: &mut Source, largest: f32) -> Self {
         for block in MOVED {
-            self.blocks[block].iter_mut().for_each(|number| *number = moved(*number, source.number()));
+            self.blocks[block].iter_mut().for_each(|number| *number = moved(*number, source.number(), largest));
         }
         self
     }
@@ -110,6 +126,14 @@ impl Weights {
     }
 }
 
+/// What trials told.
+struct Tried {
+    /// b₀.
+    expected: f32,
+    /// The largest step of small changes.
+    largest_step: f32,
+}
+
 /// The paths that were sampled uniformly.
 struct UniformPaths<R> {
     chunks: Vec<PhotonChunk<R>>,
@@ -122,7 +146,7 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
     pub fn trace<R: TracedPhoton>(&self, grid: &Grid, cancel: &AtomicBool) -> Option<(Vec<PhotonChunk<R>>, Counters)> {
         let paths = self.settings.paths;
         let uniform = paths.div_ceil(UNIFORM);
-        let (expected, trials) = self.expected::<R>(paths.div_ceil(TRIALS), cancel)?;
+        let (Tried { expected, largest_step }, trials) = self.tried::<R>(paths.div_ceil(TRIALS), cancel)?;
         let mut weights = Weights { uniform: uniform as f32, chained: (paths - uniform) as f32, expected, ratio: 1.0 };
         let UniformPaths { mut chunks, targets, mut counters } = self.uniform::<R>(&weights, uniform, grid, cancel)?;
         counters.rays += trials.rays;
@@ -133,7 +157,7 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
                 let mut photons = Vec::new();
                 for first in states.clone().step_by(STATES as usize) {
                     let states = first..states.end.min(first + STATES);
-                    self.chain(&weights, &starts, states, &mut photons, counters);
+                    self.chain(&weights, &starts, largest_step, states, &mut photons, counters);
                 }
                 PhotonChunk::store(photons, grid, counters)
             };
@@ -145,19 +169,54 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
         Some((chunks, counters))
     }
 
-    /// The mean target of paths that are nothing else.
-    fn expected<R: TracedPhoton>(&self, trials: u32, cancel: &AtomicBool) -> Option<(f32, Counters)> {
-        let (sums, counters) = trace_chunks(trials, cancel, |paths, counters| {
+    /// Traces paths that are nothing else.
+    fn tried<R: TracedPhoton>(&self, count: u32, cancel: &AtomicBool) -> Option<(Tried, Counters)> {
+        let (targets, mut counters) = trace_chunks(count, cancel, |paths, counters| {
             let mut photons: Vec<R> = Vec::new();
-            let mut sum = 0.0;
-            for path in paths {
+            let mut target = |path: u32| {
                 photons.clear();
-                let numbers = self.trials.path(path);
-                sum += f64::from(self.photons(path, &numbers, &mut photons, counters));
-            }
-            sum
+                f64::from(self.photons(path, &self.trials.path(path), &mut photons, counters))
+            };
+            paths.map(&mut target).collect::<Vec<f64>>()
         })?;
-        Some(((sums.iter().sum::<f64>() / f64::from(trials)) as f32, counters))
+        let targets = targets.concat();
+        let expected = (targets.iter().sum::<f64>() / f64::from(count)) as f32;
+        let Some(starts) = Discrete::new(&targets) else {
+            return Some((Tried { expected, largest_step: LARGEST_STEP }, counters));
+        };
+        let chains = (count / TUNING_STEPS).clamp(1, MOST_TUNING_CHAINS);
+        let tune = |chain: u32| self.tuned::<R>(&starts, (chain as f32 + 0.5) / chains as f32, chain, count / chains);
+        let tuned: Vec<(f32, Counters)> = (0..chains).into_par_iter().map(tune).collect();
+        let mut sum = 0.0;
+        for (halvings, counted) in tuned {
+            sum += halvings;
+            counters += counted;
+        }
+        Some((Tried { expected, largest_step: libm::exp2f(-sum / chains as f32) }, counters))
+    }
+
+    /// Runs a chain whose steps grow and shrink until [`ACCEPTANCE`] of them are taken [Hachisuka & Jensen 2011]; how often its largest step is
+    /// half of 1.
+    fn tuned<R: TracedPhoton>(&self, starts: &Discrete, start: f32, chain: u32, steps: u32) -> (f32, Counters) {
+        let mut counters = Counters::default();
+        let mut source = Source::new(self.trials.path(LARGE_STEPS | chain));
+        let start = starts.pick(start).0 as u32;
+        let mut numbers = PathNumbers::new(self.trials.path(start));
+        let mut photons: Vec<R> = Vec::new();
+        let mut target = self.photons(start, &numbers, &mut photons, &mut counters);
+        let mut halvings = -libm::log2f(LARGEST_STEP);
+        for step in 1..=steps {
+            let next = numbers.moved(&mut source, libm::exp2f(-halvings));
+            photons.clear();
+            let next_target = self.photons(start, &next, &mut photons, &mut counters);
+            let acceptance = (next_target / target).min(1.0);
+            halvings -= (acceptance - ACCEPTANCE) * GAIN / (step as f32).sqrt();
+            halvings = halvings.clamp(HALVINGS[0], HALVINGS[1]);
+            if source.number() < acceptance {
+                (numbers, target) = (next, next_target);
+            }
+        }
+        (halvings, counters)
     }
 
     fn uniform<R: TracedPhoton>(
@@ -187,6 +246,7 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
         &self,
         weights: &Weights,
         starts: &Discrete,
+        largest_step: f32,
         states: Range<u32>,
         stored: &mut Vec<R>,
         counters: &mut Counters,
@@ -200,7 +260,7 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
         for state in states {
             let (step, next) = match source.number() < LARGE {
                 true => (Step::Large, PathNumbers::new(self.mutations.path(LARGE_STEPS | state))),
-                false => (Step::Small, numbers.moved(&mut source)),
+                false => (Step::Small, numbers.moved(&mut source, largest_step)),
             };
             proposed.clear();
             let next_target = self.photons(start, &next, &mut proposed, counters);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::chains::{Change, Lengths, Space, acceptance};
-use super::mutation::{Source, moved};
+use super::mutation::{LARGEST_STEP, Source, moved};
 use super::sample::{PathSampler, PrimarySample, Splat, blocks};
 use crate::math::color::luminance;
 use crate::transport::Counters;
@@ -53,12 +53,12 @@ impl Space for PrimarySpace<'_> {
         let segments = from.segments;
         (to.segments, to.scale) = (segments, from.scale);
         to.numbers.clone_from(&from.numbers);
-        to.numbers.way = moved(from.numbers.way, source.number());
+        to.numbers.way = moved(from.numbers.way, source.number(), LARGEST_STEP);
         let (before, after) = (from.numbers.way(segments), to.numbers.way(segments));
         let light = blocks(before.light.max(after.light));
         let camera = blocks(before.camera.max(after.camera));
         for block in to.numbers.light.iter_mut().take(light).chain(to.numbers.camera.iter_mut().take(camera)) {
-            block.iter_mut().for_each(|number| *number = moved(*number, source.number()));
+            block.iter_mut().for_each(|number| *number = moved(*number, source.number(), LARGEST_STEP));
         }
         self.remake(to, counters);
         Change { step: Step::Small, acceptance: acceptance(to.target, from.target) }
