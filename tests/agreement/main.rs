@@ -1,8 +1,10 @@
 //! Methods, materials, formats and references agree with each other within what noise explains, and fast loops with their plain twins to the bit.
 
 #[path = "../support/chi_square.rs"]
+#[expect(dead_code, reason = "only its numbers are used here")]
 mod chi_square;
 #[path = "../support/gltf_file.rs"]
+#[expect(dead_code, reason = "not every kind of accessor is used")]
 mod gltf_file;
 #[path = "../support/progressive.rs"]
 mod progressive;

@@ -1,6 +1,7 @@
 //! Scenes: their formats, what they mean, and what is refused.
 
 #[path = "../support/chi_square.rs"]
+#[expect(dead_code, reason = "only its numbers are used here")]
 mod chi_square;
 #[path = "../support/description_tree.rs"]
 mod description_tree;

@@ -7,7 +7,7 @@ use exr::meta::attribute::Chromaticities;
 use exr::prelude::{LayerAttributes, Vec2};
 use photonfarm::estimate::picture_files::{PictureMetadata, encode_exr, encode_half_exr};
 
-use crate::{metadata, picture};
+use super::{metadata, picture};
 
 fn header(metadata: &PictureMetadata) -> (LayerAttributes, Option<Chromaticities>) {
     let bytes = encode_exr(&picture(), &[], metadata).expect("encodes");
