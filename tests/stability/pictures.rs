@@ -80,6 +80,11 @@ pub(crate) fn picture(scene: &Arc<Scene>, method: &str, parameters: &str, passes
     picture
 }
 
+/// The picture of one pass.
+pub(crate) fn single_pass(scene: &Arc<Scene>, method: &str, parameters: &str, seed: u64) -> Picture {
+    Job::with_seed(scene, method, parameters, seed).run(1, 1).picture()
+}
+
 /// Parameters of a method that names `photons` where it takes them.
 pub(crate) fn with_photons(method: &str, photons: u32) -> String {
     match method {

@@ -34,7 +34,7 @@ const TUNING_STEPS: u32 = 64;
 /// … and there are so many such chains at most.
 const MOST_TUNING_CHAINS: u32 = 16;
 /// The share of small steps that should be taken. The paper's 0.234 is that of many dimensions and smooth targets; here it made twice the error in a room
-/// whose door leaves a slit (`docs/DEAD-ENDS.md`).
+/// whose door leaves a slit (`docs/measured/DEAD-ENDS.md`).
 const ACCEPTANCE: f32 = 0.8;
 /// How quickly tuning goes.
 const GAIN: f32 = 2.0;

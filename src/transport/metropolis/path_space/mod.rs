@@ -222,6 +222,10 @@ impl PathSpace<'_> {
         if !(state.density > 0.0 && state.density.is_finite()) {
             return None;
         }
+        // A photon of no importance would be sought without end.
+        if !((self.sought(path, terms) / state.density) as f32).is_finite() {
+            return None;
+        }
         let radiance = terms.over(state.density);
         state.splats.clear();
         for_each_pixel(self.scene, terms.film, |pixel, filter| {

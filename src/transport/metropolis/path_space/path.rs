@@ -178,7 +178,9 @@ impl Terms {
 
     /// What the path brings over a density.
     pub fn over(&self, density: f64) -> Rgb {
-        self.carried * (self.size / density) as f32
+        // Long paths carry next to nothing, over a density that is smaller still.
+        let share = self.size / density;
+        Rgb::from(self.carried.to_array().map(|value| (f64::from(value) * share) as f32))
     }
 
     /// The density of vertices x_from … x_{to−1} as parts of a light subpath whose vertices before stay; 0 where a light subpath does not make them.
