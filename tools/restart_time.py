@@ -34,7 +34,7 @@ def start(folder):
 
 with tempfile.TemporaryDirectory() as temporary:
     folder = pathlib.Path(temporary)
-    shutil.copy("tests/stores/version-1.sqlite", folder / "photonfarm.sqlite")
+    shutil.copy("tests/stores/released/version-1.sqlite", folder / "photonfarm.sqlite")
     for count in (1, jobs):
         base = sqlite3.connect(folder / "photonfarm.sqlite")
         row = list(base.execute("SELECT * FROM jobs ORDER BY id LIMIT 1").fetchone())

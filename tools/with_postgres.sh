@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs a command with a PostgreSQL of its own, which is gone afterwards: tools/with_postgres.sh cargo test --test store_records
+# Runs a command with a PostgreSQL of its own, which is gone afterwards: tools/with_postgres.sh cargo test --test stores
 # Needs the Debian package postgresql. As root, the server runs as the user postgres.
 set -euo pipefail
 binaries=$(find /usr/lib/postgresql -maxdepth 2 -name bin 2>/dev/null | sort -V | tail -1)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs a command with an S3 server of its own, which is gone afterwards: tools/with_s3.sh cargo test --test store_records
+# Runs a command with an S3 server of its own, which is gone afterwards: tools/with_s3.sh cargo test --test stores
 # Uses moto_server from PATH, or installs it from PyPI into a temporary folder.
 set -euo pipefail
 folder=$(mktemp -d)

@@ -1,6 +1,6 @@
 //! What becomes of every plugin of Mitsuba 3.9.1 and of every parameter of it: the rows of `docs/COMPATIBILITY.md`.
 //!
-//! `tests/import/mitsuba_plugins.rs` loads a scene with each of them and holds the tables to what happens. Mitsuba's own lists were found by
+//! `tests/scene/import/mitsuba_plugins.rs` loads a scene with each of them and holds the tables to what happens. Mitsuba's own lists were found by
 //! giving its plugins parameters and watching which it takes.
 
 mod lights;

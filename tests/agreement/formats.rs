@@ -1,22 +1,17 @@
 //! One scene in several formats gives one picture. All formats become the same plugins with the same numbers, so the pictures
 //! are the same to the last bit, and no tolerance is needed: where they differ, one of the importers means something else.
 
-#[path = "../support/gltf_file.rs"]
-#[expect(dead_code, reason = "not every kind of accessor is used")]
-mod gltf_file;
-use crate::progressive;
-
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+use crate::gltf_file::{GltfFile, Numbers};
+use crate::progressive::Job;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use gltf_file::{GltfFile, Numbers};
 use photonfarm::import::load_bytes;
 use photonfarm::scene::Scene;
 use photonfarm::scene::bundle::Bundle;
 use photonfarm::scene::description::{Parameter, PluginClass, SceneDescription, Value as Plain};
-use progressive::Job;
 use serde_json::{Value, json};
 
 /// The square [−1, 1]² in the xy plane; v = 0 is its top.

@@ -1,10 +1,9 @@
 //! Irradiance caching: records and gradients against closed forms, the octree against a full search, and pictures of
 //! `photon_map` with a cache against those without.
 
-use crate::progressive;
-
 use std::f64::consts::PI;
 
+use crate::progressive::{Job, reference_folder, reference_scene};
 use photonfarm::estimate::{Estimate, PixelTally, RadiusField, Region, Shard, picture_files};
 use photonfarm::evaluation::{Metrics, compare};
 use photonfarm::math::random::{PathRandom, Stream};
@@ -13,7 +12,6 @@ use photonfarm::scene::Scene;
 use photonfarm::transport::irradiance::{
     Arrival, HemisphereCells, IrradianceCache, IrradianceQuery, IrradianceRecord, RadiusRange, TangentGradient,
 };
-use progressive::{Job, reference_folder, reference_scene};
 
 const RANGE: RadiusRange = RadiusRange { smallest: 1e-3, largest: 10.0 };
 

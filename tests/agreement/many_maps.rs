@@ -1,16 +1,13 @@
 //! `photon_map` with many maps a pass: means, noise, counts and bits of what pixels see, whichever maps they look at.
 
-use crate::progressive;
-use crate::scene_text;
-
 use std::sync::Arc;
 
+use crate::progressive::{Begun, Job, reference_scene};
+use crate::scene_text::prepare;
 use photonfarm::estimate::{PixelTally, RadiusField, Region, Shard};
 use photonfarm::math::random::{MOST_PARTS, PassRandom, Stream};
 use photonfarm::method::{MethodChoice, check};
 use photonfarm::scene::Scene;
-use progressive::{Begun, Job, reference_scene};
-use scene_text::prepare;
 
 /// Blocks across a picture and down.
 const BLOCKS: usize = 4;

@@ -3,7 +3,6 @@
 //! `material_values/make_values.py` wrote the values, in single precision as Mitsuba computes, hence the tolerance.
 
 use crate::scene_text;
-
 use photonfarm::math::{Rgb, Vec2, Vec3};
 use photonfarm::scene::material::{Material, TransportMode, View};
 

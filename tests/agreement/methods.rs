@@ -1,16 +1,12 @@
 //! Methods that make paths from two ends, against closed forms, against each other, and against references.
 
-use crate::progressive;
-#[path = "../support/scene_files.rs"]
-mod scene_files;
-
 use std::sync::Arc;
 
+use crate::progressive::{Job, reference_folder, reference_scene};
+use crate::scene_files::{exr_file, prepare};
 use photonfarm::estimate::{Picture, Region, Shard, picture_files};
 use photonfarm::evaluation::compare;
 use photonfarm::scene::Scene;
-use progressive::{Job, reference_folder, reference_scene};
-use scene_files::{exr_file, prepare};
 
 const UNBIASED: [&str; 3] = ["path", "bdpt", "light_tracing"];
 const MERGING: [&str; 2] = ["pbdpm", "vcm"];

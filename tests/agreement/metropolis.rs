@@ -1,12 +1,10 @@
 //! `mmlt`: means of its chains against closed forms and references, and their bits; how numbers are mutated.
 
 use crate::methods::{ERRORS, mean_and_error};
-use crate::progressive;
-
+use crate::progressive::{Job, reference_folder, reference_scene};
 use photonfarm::estimate::{PixelTally, RadiusField, Region, Shard, picture_files};
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::transport::metropolis::mutation::{Source, moved};
-use progressive::{Job, reference_folder, reference_scene};
 
 /// A closed furnace has radiance 1, whichever paths its chains keep to; with mirrors and glass, too.
 #[test]

@@ -1,12 +1,11 @@
 //! `photon_map`: its building blocks against their definitions, and the whole against closed forms, other estimates of the
 //! same light and converged pictures.
 
-use crate::progressive;
-use crate::scene_text;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::progressive::{Job, reference_folder, reference_scene};
+use crate::scene_text::prepare;
 use photonfarm::estimate::{Estimate, Picture, PixelTally, RadiusField, Region, Shard, picture_files};
 use photonfarm::evaluation::{Metrics, compare};
 use photonfarm::math::random::{PathRandom, Stream};
@@ -15,8 +14,6 @@ use photonfarm::method::{MethodChoice, check};
 use photonfarm::scene::Scene;
 use photonfarm::transport::kernel::Kernel;
 use photonfarm::transport::photon_map::{GatherQuery, Grid, Nearest, Photon, PhotonChunk, PhotonLookup, PhotonMap};
-use progressive::{Job, reference_folder, reference_scene};
-use scene_text::prepare;
 
 const KERNELS: [Kernel; 3] = [Kernel::Disc, Kernel::Cone, Kernel::Epanechnikov];
 

@@ -1,18 +1,15 @@
 //! `photon_map`'s ways of finding direct light: those without bias agree with closed forms and with `path`, those with bias are off where and as
 //! much as they say, and none changes with threads or regions.
 
-use crate::progressive;
-use crate::scene_text;
-
 use std::f64::consts::PI;
 use std::fmt::Write;
 use std::sync::Arc;
 
+use crate::progressive::{Job, reference_scene};
+use crate::scene_text::prepare;
 use photonfarm::estimate::{Estimate, PixelTally, RadiusField, Region, Shard};
 use photonfarm::method::{MethodChoice, check};
 use photonfarm::scene::Scene;
-use progressive::{Job, reference_scene};
-use scene_text::prepare;
 
 /// Every way, with samples where it takes some.
 const WAYS: [&str; 5] = [

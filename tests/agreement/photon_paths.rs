@@ -1,10 +1,8 @@
 //! `mps`: photons of whole paths bring what ordinary photons bring, and chains of both kinds have the same bits on any number of threads.
 
 use crate::methods::{ERRORS, mean_and_error};
-use crate::progressive;
-
+use crate::progressive::{Job, reference_scene};
 use photonfarm::estimate::{PixelTally, RadiusField, Region, Shard};
-use progressive::{Job, reference_scene};
 
 /// Means are those of `photon_map` with the same look-ups, whose bias it shares: with matte surfaces alone, with caustics that the camera sees itself and
 /// in a mirror, and with a lens.

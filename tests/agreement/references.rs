@@ -1,14 +1,11 @@
 //! The progressive methods against converged pictures by another renderer, and against themselves: regions, path limits.
 
-use crate::progressive;
-use crate::scene_text;
-
 use std::sync::Arc;
 
+use crate::progressive::{Job, reference_folder, reference_scene};
+use crate::scene_text::prepare;
 use photonfarm::estimate::{Estimate, RadiusField, Region, Shard, picture_files};
 use photonfarm::evaluation::{Metrics, compare};
-use progressive::{Job, reference_folder, reference_scene};
-use scene_text::prepare;
 
 const PASSES: u32 = 48;
 

@@ -1,8 +1,7 @@
 //! `mlt`: chains of whole paths against closed forms and references, their balance for each kind of change, and paths that users give.
 
 use crate::methods::{ERRORS, mean_and_error};
-use crate::progressive;
-
+use crate::progressive::{reference_folder, reference_scene};
 use photonfarm::estimate::picture_files;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::method::{self, MethodChoice};
@@ -14,7 +13,6 @@ use photonfarm::transport::metropolis::path_space::proposals::{Proposal, Shares}
 use photonfarm::transport::metropolis::path_space::user_path::{GivenPath, UserPath};
 use photonfarm::transport::metropolis::path_space::window::FilmWindow;
 use photonfarm::transport::metropolis::path_space::{PathSpace, PathState};
-use progressive::{reference_folder, reference_scene};
 use rayon::prelude::*;
 
 /// A closed furnace has radiance 1, whichever paths its chains keep to; with mirrors and glass, too.

@@ -1,13 +1,11 @@
 //! `directionalarea` against its closed form in every method, and `merge`, whose shapes stay what they are.
 
-use crate::scene_files;
-
 use crate::rendered::rendered;
 use std::f32::consts::PI;
 use std::sync::Arc;
 
+use crate::scene_files::prepare;
 use photonfarm::scene::Scene;
-use scene_files::prepare;
 
 /// Looks straight down on [-1, 1]² from below the lamps; 8 × 8 pixels.
 const SENSOR: &str = "<sensor type='orthographic'><transform name='to_world'>\

@@ -4,9 +4,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::rendered::rendered;
-use crate::scene_files;
+use crate::scene_files::prepare;
 use photonfarm::scene::Scene;
-use scene_files::prepare;
 
 const BALL: &str =
     "<shape type='sphere'><point name='center' x='0.3' y='0.1' z='0.4'/><float name='radius' value='0.4'/>

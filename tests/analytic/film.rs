@@ -1,10 +1,8 @@
 //! Crop windows show a part of the whole film; filters spread camera paths as they weigh.
 
-use crate::scene_text;
-
+use crate::scene_text::prepare;
 use photonfarm::math::Vec2;
 use photonfarm::scene::{Scene, SceneError};
-use scene_text::prepare;
 
 fn with_film(film: &str) -> Result<Scene, SceneError> {
     let body = format!("<sensor type='perspective'><film type='hdrfilm'>{film}</film></sensor>");

@@ -2,20 +2,15 @@
 //!
 //! Bounds are 4.5 standard errors, passed by chance once in 10⁵ times; seeds are fixed.
 
-#[path = "../support/progressive.rs"]
-#[expect(dead_code, reason = "the scenes are written down here")]
-mod progressive;
-use crate::scene_text;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::progressive::Job;
+use crate::scene_text::prepare;
 use photonfarm::estimate::{Region, Shard, Tally};
 use photonfarm::method::{METHODS, SceneTraits, notices};
 use photonfarm::render::Renderer;
 use photonfarm::scene::Scene;
-use progressive::Job;
-use scene_text::prepare;
 
 /// The cubic of Mitchell and Netravali for B = C = ⅓, multiplied out.
 fn mitchell(x: f64) -> f64 {

@@ -1,11 +1,9 @@
 //! What pixels see first, where formulas say it: a ball in front of a rectangle.
 
-use crate::scene_text;
-
+use crate::scene_text::prepare;
 use photonfarm::math::{Rgb, Vec3};
 use photonfarm::render::first_surface::{FirstSurface, NOTHING_SEEN, first_surface_layers};
 use photonfarm::scene::Scene;
-use scene_text::prepare;
 
 /// Pixels along either side.
 const SIDE: usize = 33;

@@ -1,19 +1,17 @@
 //! Intersection: closed surfaces are tight, the accelerator agrees with a search through all primitives, scale does not
 //! matter, every shape agrees with its formula, and sampled points lie on their shape.
 
-use crate::scene_text;
-
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
+use crate::scene_text::prepare;
 use glam::DVec3;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Vec3, warp};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::ray::Shear;
 use photonfarm::scene::geometry::{Geometry, Layer, Primitive, Ray};
-use scene_text::prepare;
 
 fn uniform(family: u32, index: u32) -> [f32; 4] {
     PathRandom::new(3, Stream::Camera, family, index).block(0)

@@ -2,15 +2,13 @@
 //! that keep rays from meeting the surface that they leave, and small.
 
 use crate::scene_text;
-use crate::shape_text;
-
 use std::fmt::Write as _;
 
+use crate::shape_text::{read_shapes, shape_nodes};
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Vec3, warp};
 use photonfarm::scene::fields::Fields;
 use photonfarm::scene::geometry::{Geometry, Instance, Interaction, Ray, Shape};
-use shape_text::{read_shapes, shape_nodes};
 
 fn uniform(family: u32, index: u32) -> [f32; 4] {
     PathRandom::new(7, Stream::Camera, family, index).block(0)

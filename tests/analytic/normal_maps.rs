@@ -1,12 +1,10 @@
 //! Normal maps and bump maps against closed forms, and what cannot have one.
 
-use crate::scene_files;
-
+use crate::scene_files::{exr_file, prepare};
 use photonfarm::math::Vec3;
 use photonfarm::scene::geometry::Ray;
 use photonfarm::scene::material::{TransportMode, View};
 use photonfarm::scene::{Scene, SceneError};
-use scene_files::{exr_file, prepare};
 
 /// A rectangle of 2 m × 2 m, with the outside towards +z.
 fn rectangle(bsdf: &str, file: &[u8]) -> Result<Scene, SceneError> {

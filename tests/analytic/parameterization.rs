@@ -1,14 +1,12 @@
 //! Texture coordinates and their partial derivatives: closed forms on every shape in Mitsuba's conventions, derivatives
 //! against finite differences, and frames along ∂p/∂u.
 
-use crate::shape_text;
-
 use std::f32::consts::{PI, TAU};
 
+use crate::shape_text::read_shapes;
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Vec2, Vec3, warp};
 use photonfarm::scene::geometry::{Geometry, Interaction, Ray, Shape, TexturePoint};
-use shape_text::read_shapes;
 
 fn uniform(family: u32, index: u32) -> [f32; 4] {
     PathRandom::new(5, Stream::Camera, family, index).block(0)

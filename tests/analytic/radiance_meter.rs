@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use crate::rendered::rendered;
-use crate::scene_files;
+use crate::scene_files::prepare;
 use photonfarm::scene::Scene;
-use scene_files::prepare;
 
 /// A checkerboard of 0.4 and 0.2 under an even sky of radiance 1 and a lamp.
 fn scene(meter: &str, side: u32) -> Result<Scene, String> {

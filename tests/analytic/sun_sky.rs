@@ -3,18 +3,13 @@
 //! The values are of Mitsuba 3.9.1, `scalar_rgb`: `emitter.eval` in a direction, and 0.5/π times the irradiance of a floor as its
 //! `path` renders it. Its sun is 0.2 % too bright at the usual aperture, where it rounds the cosine of 0.27° to single precision.
 
-#[path = "../support/chi_square.rs"]
-#[expect(dead_code, reason = "other tests use the rest")]
-mod chi_square;
-use crate::scene_files;
-
 use crate::rendered::rendered;
 use std::sync::Arc;
 
-use chi_square::{assert_directions, numbers};
+use crate::chi_square::{assert_directions, numbers};
+use crate::scene_files::prepare;
 use photonfarm::math::Vec3;
 use photonfarm::scene::Scene;
-use scene_files::prepare;
 
 /// The parameters of a `sunsky`; then directions with the radiance from there, the last towards the sun.
 const VALUES: &[(&str, &[[f32; 6]])] = &[

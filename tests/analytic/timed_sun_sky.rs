@@ -4,10 +4,9 @@
 //! the truth is the mean of `emitter.eval` of `sunsky` in `scalar_rgb` over 1200 to 8009 even instants of the span, and of
 //! the irradiance of a floor by its sun over the same instants.
 
-use crate::scene_files;
+use crate::scene_files::prepare;
 use photonfarm::math::Vec3;
 use photonfarm::scene::Scene;
-use scene_files::prepare;
 
 /// What Mitsuba shows of a span.
 struct Span {

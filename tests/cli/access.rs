@@ -1,12 +1,10 @@
 //! Users, tokens and encryption as people use them: by the command line alone.
 
-use crate::command_line;
-
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 
-use command_line::{ended, failure, program, success, text};
+use crate::command_line::{ended, failure, program, success, text};
 
 const SCENE: &str = "tests/references/furnace-closed/scene.xml";
 

@@ -1,13 +1,10 @@
 //! The program as its users meet it: what it prints, where, and with which exit code.
 
-use crate::command_line;
-use crate::exr_channels;
-
 use std::path::Path;
 use std::process::{Output, Stdio};
 
-use command_line::{ended, program, run};
-use exr_channels::exr_channels;
+use crate::command_line::{ended, program, run};
+use crate::exr_channels::exr_channels;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{LAYERS, PictureMetadata, encode_exr, write_file};
 use photonfarm::import::formats;

@@ -1,16 +1,12 @@
 //! `evaluate` and `chart` as their users meet them.
 
-use crate::command_line;
-#[path = "../support/result_records.rs"]
-mod result_records;
-
 use std::path::{Path, PathBuf};
 
-use command_line::{failure, run, success, text};
+use crate::command_line::{failure, run, success, text};
+use crate::result_records::with_errors;
 use photonfarm::estimate::Picture;
 use photonfarm::estimate::picture_files::{PictureMetadata, encode_exr, write_file};
 use photonfarm::evaluation::{Record, read_results};
-use result_records::with_errors;
 
 const SCENE: &str = "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film type='hdrfilm'>\
     <integer name='width' value='16'/><integer name='height' value='12'/><rfilter type='box'/></film></sensor>\

@@ -1,15 +1,8 @@
 //! Jobs of a coordinator as the command line handles them.
 
-use crate::command_line;
-#[path = "../support/http_client.rs"]
-mod http_client;
-#[path = "../support/serving.rs"]
-#[expect(dead_code, reason = "nothing is killed here")]
-mod serving;
-
-use command_line::{failure, program};
+use crate::command_line::{failure, program};
+use crate::serving::Coordinator;
 use serde_json::{Value, json};
-use serving::Coordinator;
 
 const SCENE: &str = include_str!("../references/furnace-closed/scene.xml");
 

@@ -4,11 +4,19 @@
 mod command_line;
 #[path = "../support/exr_channels.rs"]
 mod exr_channels;
+#[path = "../support/http_client.rs"]
+mod http_client;
+#[path = "../support/result_records.rs"]
+mod result_records;
+#[path = "../support/serving.rs"]
+mod serving;
 
 mod access;
 mod commands;
 mod evaluate;
+mod imported_symbols;
 mod jobs;
 mod maps;
 mod pictures;
+mod restarts;
 mod shell;

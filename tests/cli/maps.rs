@@ -1,13 +1,10 @@
 //! False-color maps, weight maps and time shares, as users of the command line meet them.
 
-use crate::command_line;
-use crate::exr_channels;
-
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use command_line::{failure, success, text};
-use exr_channels::exr_channels;
+use crate::command_line::{failure, success, text};
+use crate::exr_channels::exr_channels;
 use photonfarm::estimate::picture_files::{Channels, PictureMetadata, encode_channels, write_file};
 
 /// Closed, every surface shines: whatever is seen has radiance 1, and every strategy finds all of it.

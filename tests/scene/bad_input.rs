@@ -1,15 +1,12 @@
 //! What users read when a well-formed scene cannot be rendered, or a method cannot take its parameters: every error has
 //! its place and a remedy.
 
-#[path = "../support/scene_text.rs"]
-mod scene_text;
-
 use std::fmt::Write as _;
 use std::time::Instant;
 
+use crate::scene_text::prepare;
 use photonfarm::import::load_bytes;
 use photonfarm::method::{MethodChoice, check};
-use scene_text::prepare;
 
 const LIGHT: &str = "<emitter type='point'><point name='position' value='0, 5, 0'/></emitter>";
 const SENSOR: &str = "<sensor type='perspective'/>";

@@ -1,14 +1,12 @@
 //! `linearcurve` and `bsplinecurve` against Mitsuba's pictures of them, and curve files that cannot be read.
 
-use crate::scene_files;
-
 use crate::rendered::rendered;
 use std::sync::Arc;
 
+use crate::scene_files::prepare;
 use photonfarm::math::Vec3;
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
-use scene_files::prepare;
 
 const CURVES: &str = "-0.8 -0.5 0 0.1\n0 -0.4 0 0.2\n0.3 -0.6 0.2 0.15\n0.8 -0.5 0 0.1\n\n-0.9 0.2 0 0.05\n-0.4 0.8 0.1 0.1\n\
     0.2 0.3 0 0.12\n0.5 0.4 0 0.1\n0.9 0.7 0 0.05\n";

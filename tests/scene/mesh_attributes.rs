@@ -1,14 +1,12 @@
 //! `mesh_attribute`: what PLY files say of vertices and faces, through `Scene::prepare` and in pictures.
 
-use crate::scene_files;
-
 use crate::rendered::rendered;
 use std::sync::Arc;
 
+use crate::scene_files::prepare;
 use photonfarm::scene::Scene;
 use photonfarm::scene::error::Location;
 use photonfarm::scene::geometry::ply;
-use scene_files::prepare;
 
 /// The square [-1, 1]² as two triangles below and above its diagonal from (-1, -1) to (1, 1), with extra properties.
 fn square(vertex: &str, of_vertices: [&str; 4], face: &str, of_faces: [&str; 2]) -> String {

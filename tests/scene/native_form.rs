@@ -1,17 +1,13 @@
 //! A scene in the native form means what the scene itself means, to the last bit.
 
-use crate::description_tree;
-#[path = "../support/progressive.rs"]
-mod progressive;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use description_tree::tree;
+use crate::description_tree::tree;
+use crate::progressive::{Job, reference_folder, reference_scene};
 use photonfarm::import::{load_bytes, load_file, native};
 use photonfarm::scene::Scene;
 use photonfarm::scene::description::SceneDescription;
-use progressive::{Job, reference_folder, reference_scene};
 
 fn own_scenes() -> Vec<PathBuf> {
     let folders = std::fs::read_dir("scenes").expect("scenes stands beside the manifest");

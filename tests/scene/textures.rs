@@ -1,18 +1,16 @@
 //! Textures through `Scene::prepare`: every file format at known texture coordinates, filters, wraps and transforms, and
 //! what users read when a texture cannot be.
 
-use crate::scene_files;
-
 use std::f32::consts::PI;
 use std::io::Cursor;
 
+use crate::scene_files::{exr_file, prepare};
 use image::{DynamicImage, ImageBuffer, ImageFormat, Luma, LumaA, Rgb as Pixel, Rgba};
 use photonfarm::math::random::{PathRandom, Stream};
 use photonfarm::math::{Rgb, Vec2, Vec3};
 use photonfarm::scene::Scene;
 use photonfarm::scene::geometry::Ray;
 use photonfarm::scene::material::{TransportMode, View};
-use scene_files::{exr_file, prepare};
 
 /// A lit rectangle with a reflectance.
 fn body(texture: &str) -> String {

@@ -1,7 +1,7 @@
 //! The density estimate's inner loop: photons in a disc around a point.
 //!
 //! A photon counts when it lies within the radius, near the tangent plane and on a surface that faces the same way.
-//! Eight are tested at a time without branches; where their flux is all that counts they are summed so too. Their plain twin, a search through all photons, stands in `tests/gather_twin.rs`.
+//! Eight are tested at a time without branches; where their flux is all that counts they are summed so too. Their plain twin, a search through all photons, stands in `tests/agreement/gather_twin.rs`.
 
 use wide::{f32x8, i32x8};
 

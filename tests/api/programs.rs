@@ -1,0 +1,259 @@
+//! What programs need of the API: to repeat a request safely, to wait, to change what they have seen, to miss nothing, and to go on where a
+//! download broke off.
+
+use std::time::Duration;
+
+use crate::http_client::http_client;
+use photonfarm::api;
+use photonfarm::farm::store::{Store, StoreLocation};
+use photonfarm::farm::{CoordinatorOptions, LocalFarm};
+use reqwest::{Method, Response};
+use serde_json::{Value, json};
+
+const SCENE: &str = include_str!("../references/furnace-closed/scene.xml");
+
+struct Farm {
+    base: String,
+    http: reqwest::Client,
+    local: LocalFarm,
+}
+
+impl Farm {
+    async fn start(workers: usize, store: Store) -> Self {
+        let routes = |coordinator, shutdown| api::router(api::ApiState { coordinator, shutdown });
+        let builder = LocalFarm::builder().workers(workers).options(CoordinatorOptions::default()).store(store);
+        let local = builder.routes(routes).start().await.expect("a farm");
+        Self { base: local.url(), http: http_client(Duration::from_secs(90)), local }
+    }
+
+    async fn in_memory(workers: usize) -> Self {
+        Self::start(workers, Store::in_memory().await.expect("a store")).await
+    }
+
+    async fn send(&self, method: Method, path: &str, headers: &[(&str, &str)], body: Option<Value>) -> Response {
+        let mut request = self.http.request(method, format!("{}{path}", self.base));
+        for (name, value) in headers {
+            request = request.header(*name, *value);
+        }
+        if let Some(body) = body {
+            request = request.header("Content-Type", "application/json").body(body.to_string());
+        }
+        request.send().await.expect("an answer")
+    }
+
+    async fn json(&self, method: Method, path: &str, headers: &[(&str, &str)], body: Option<Value>) -> (u16, Value) {
+        let response = self.send(method, path, headers, body).await;
+        let status = response.status().as_u16();
+        (status, serde_json::from_slice(&response.bytes().await.expect("a body")).unwrap_or_default())
+    }
+
+    async fn jobs(&self) -> usize {
+        let (_, list) = self.json(Method::GET, "/v1/jobs", &[], None).await;
+        list["jobs"].as_array().expect("a list").len()
+    }
+}
+
+fn job(passes: u32) -> Value {
+    json!({ "scene_inline": SCENE, "method": "sppm", "parameters": { "photons_per_pass": 2000 }, "stop": { "passes": passes } })
+}
+
+fn header(response: &Response, name: &str) -> String {
+    response.headers().get(name).and_then(|value| value.to_str().ok()).unwrap_or_default().to_owned()
+}
+
+/// Who got no answer sends the same again, also to a coordinator that was started again.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_request_that_is_repeated_makes_one_job() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let location = StoreLocation::folder(folder.path());
+    let farm = Farm::start(0, Store::open(&location).await.expect("a store")).await;
+    let key = [("Idempotency-Key", "render-42")];
+    let submit = async |farm: &Farm, body: Value| farm.json(Method::POST, "/v1/jobs", &key, Some(body)).await;
+    let (status, first) = submit(&farm, job(5)).await;
+    assert_eq!(status, 202, "{first}");
+    let both = tokio::join!(submit(&farm, job(5)), submit(&farm, job(5)));
+    assert_eq!((&both.0.1["id"], &both.1.1["id"]), (&first["id"], &first["id"]));
+    let (status, problem) = submit(&farm, job(6)).await;
+    assert_eq!((status, problem["type"].as_str()), (422, Some("urn:photonfarm:problem:bad-request")), "{problem}");
+    let (status, other) = farm.json(Method::POST, "/v1/jobs", &[], Some(job(5))).await;
+    assert!(status == 202 && other["id"] != first["id"], "without a key it is another job");
+    assert_eq!(farm.jobs().await, 2);
+    let (status, _) = farm.json(Method::POST, "/v1/jobs", &[("Idempotency-Key", "two words")], Some(job(5))).await;
+    assert_eq!(status, 400);
+    // The name changed meanwhile; the request was the same.
+    let path = format!("/v1/jobs/{}", first["id"].as_str().expect("an id"));
+    farm.json(Method::PATCH, &path, &[], Some(json!({ "name": "later" }))).await;
+    farm.local.stop().await;
+    let farm = Farm::start(0, Store::open(&location).await.expect("a store")).await;
+    assert_eq!(submit(&farm, job(5)).await.1["id"], first["id"]);
+    let clone = format!("{path}/clone");
+    let copies = [
+        farm.json(Method::POST, &clone, &[("Idempotency-Key", "copy")], Some(json!({}))).await.1,
+        farm.json(Method::POST, &clone, &[("Idempotency-Key", "copy")], Some(json!({}))).await.1,
+    ];
+    assert_eq!(copies[0]["id"], copies[1]["id"]);
+    assert_eq!(farm.jobs().await, 3);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_end_can_be_waited_for() {
+    let farm = Farm::in_memory(1).await;
+    let wait = [("Prefer", "wait=60")];
+    let response = farm.send(Method::POST, "/v1/jobs", &wait, Some(job(3))).await;
+    assert_eq!((response.status().as_u16(), header(&response, "preference-applied").as_str()), (200, "wait=60"));
+    assert!(header(&response, "location").starts_with("/v1/jobs/"));
+    let done: Value = serde_json::from_slice(&response.bytes().await.expect("a body")).expect("JSON");
+    assert_eq!(done["state"], "done");
+    let (status, endless) = farm.json(Method::POST, "/v1/jobs", &[("Prefer", "wait=1")], Some(job(1_000_000))).await;
+    assert!(status == 202 && endless["state"] != "done", "{endless}");
+    let path = format!("/v1/jobs/{}", endless["id"].as_str().expect("an id"));
+    let cancel = async {
+        tokio::time::sleep(Duration::from_millis(300)).await;
+        farm.json(Method::POST, &format!("{path}/cancel"), &[], None).await
+    };
+    let (waited, _) = tokio::join!(farm.json(Method::GET, &path, &wait, None), cancel);
+    assert_eq!(waited.1["state"], "cancelled");
+}
+
+/// Two who change the same job do not undo each other's changes unseen.
+#[tokio::test(flavor = "multi_thread")]
+async fn changes_are_made_to_what_was_seen() {
+    let farm = Farm::in_memory(1).await;
+    let (_, created) = farm.json(Method::POST, "/v1/jobs", &[("Prefer", "wait=60")], Some(job(3))).await;
+    let path = format!("/v1/jobs/{}", created["id"].as_str().expect("an id"));
+    let seen = header(&farm.send(Method::GET, &path, &[], None).await, "etag");
+    let patch = async |tag: &str, name: &str| {
+        farm.send(Method::PATCH, &path, &[("If-Match", tag)], Some(json!({ "name": name }))).await
+    };
+    let changed = patch(&seen, "one").await;
+    assert_eq!(changed.status(), 200);
+    let newer = header(&changed, "etag");
+    assert_eq!(header(&farm.send(Method::GET, &path, &[], None).await, "etag"), newer);
+    let refused = patch(&seen, "two").await;
+    assert_eq!(refused.status(), 412);
+    assert_eq!(patch("*", "three").await.status(), 200);
+    assert_eq!(farm.json(Method::GET, &path, &[], None).await.1["name"], "three");
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_job_can_be_checked_without_making_it() {
+    let farm = Farm::in_memory(0).await;
+    let check = async |body: Value| farm.json(Method::POST, "/v1/jobs/validate", &[], Some(body)).await;
+    let (status, checked) = check(json!({ "scene_inline": SCENE, "method": "ppm", "stop": { "seconds": 3 } })).await;
+    assert_eq!(status, 200, "{checked}");
+    assert!(checked["method"] == "ppm" && checked["width"] == 64 && checked["parameters"].is_object(), "{checked}");
+    assert_eq!(farm.jobs().await, 0);
+    let (_, scenes) = farm.json(Method::GET, "/v1/scenes", &[], None).await;
+    assert_eq!(scenes["scenes"].as_array().map(Vec::len), Some(0), "nothing is kept");
+    assert_eq!(check(json!({ "scene_inline": SCENE, "method": "nothing" })).await.0, 422);
+    assert_eq!(check(json!({ "scene_inline": "<scene" })).await.0, 422);
+    assert_eq!(check(json!({ "method": "ppm" })).await.0, 422);
+}
+
+/// The events of a stream until one `is_last`, each as name, id and data.
+async fn events(mut stream: Response, is_last: impl Fn(&Event) -> bool) -> Vec<Event> {
+    let (mut text, mut events) = (String::new(), Vec::new());
+    loop {
+        let chunk = stream.chunk().await.expect("it goes on").expect("it does not end");
+        text.push_str(std::str::from_utf8(&chunk).expect("text"));
+        while let Some(end) = text.find("\n\n") {
+            let block: String = text.drain(..end + 2).collect();
+            let field = |name: &str| {
+                let line = block.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'));
+                line.map(|value| value.trim().to_owned()).unwrap_or_default()
+            };
+            if field("event").is_empty() {
+                continue;
+            }
+            let data = serde_json::from_str(&field("data")).expect("JSON");
+            let event = Event { name: field("event"), id: field("id"), data };
+            let is_end = is_last(&event);
+            events.push(event);
+            if is_end {
+                return events;
+            }
+        }
+    }
+}
+
+#[derive(Debug)]
+struct Event {
+    name: String,
+    id: String,
+    data: Value,
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn one_stream_tells_of_all_jobs_and_of_what_was_missed() {
+    let farm = Farm::in_memory(1).await;
+    let submit = async |passes: u32| {
+        let (_, created) = farm.json(Method::POST, "/v1/jobs", &[("Prefer", "wait=60")], Some(job(passes))).await;
+        created["id"].as_str().expect("an id").to_owned()
+    };
+    let old = submit(2).await;
+    let stream = farm.send(Method::GET, "/v1/events", &[], None).await;
+    let new = async {
+        tokio::time::sleep(Duration::from_millis(300)).await;
+        submit(3).await
+    };
+    let is_end = |event: &Event| event.data["id"] != old && event.data["state"] == "done" && !event.id.is_empty();
+    let (seen, new) = tokio::join!(events(stream, is_end), new);
+    assert_eq!(seen[0].data["id"], old, "those that are there come first: {seen:?}");
+    assert!(seen.iter().any(|event| event.data["id"] == new && event.data["links"]["self"].is_string()));
+    let last = seen.last().expect("events").id.clone();
+
+    // Two things happen while nobody listens.
+    farm.send(Method::DELETE, &format!("/v1/jobs/{old}"), &[], None).await;
+    farm.json(Method::PATCH, &format!("/v1/jobs/{new}"), &[], Some(json!({ "name": "changed" }))).await;
+    let stream = farm.send(Method::GET, "/v1/events", &[("Last-Event-ID", &last)], None).await;
+    let missed = events(stream, |event| !event.id.is_empty()).await;
+    let told: Vec<(&str, &Value)> = missed.iter().map(|event| (event.name.as_str(), &event.data["id"])).collect();
+    assert_eq!(told, [("deleted", &json!(old)), ("status", &json!(new))], "{missed:?}");
+    assert_eq!(missed[1].data["name"], "changed");
+
+    // What an earlier coordinator numbered says nothing here.
+    let stream = farm.send(Method::GET, "/v1/events", &[("Last-Event-ID", "17-3")], None).await;
+    let again = events(stream, |event| !event.id.is_empty()).await;
+    assert_eq!(again[0].name, "reset", "{again:?}");
+    assert_eq!(again.len(), 2);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn downloads_go_on_where_they_broke_off() {
+    let farm = Farm::in_memory(1).await;
+    let (_, created) = farm.json(Method::POST, "/v1/jobs", &[("Prefer", "wait=60")], Some(job(2))).await;
+    let path = format!("/v1/jobs/{}/image.exr", created["id"].as_str().expect("an id"));
+    let whole = farm.send(Method::GET, &path, &[], None).await;
+    assert_eq!(header(&whole, "accept-ranges"), "bytes");
+    let tag = header(&whole, "etag");
+    let whole = whole.bytes().await.expect("a body");
+    let part = async |range: &str, tag: &str| {
+        let response = farm.send(Method::GET, &path, &[("Range", range), ("If-Range", tag)], None).await;
+        let (status, place) = (response.status().as_u16(), header(&response, "content-range"));
+        (status, place, response.bytes().await.expect("a body"))
+    };
+    let length = whole.len();
+    let (status, place, bytes) = part("bytes=100-", &tag).await;
+    assert_eq!((status, place), (206, format!("bytes 100-{}/{length}", length - 1)));
+    assert!(bytes == whole.slice(100..));
+    let (status, _, bytes) = part("bytes=0-9", &tag).await;
+    assert!(status == 206 && bytes == whole.slice(..10));
+    let (status, _, bytes) = part("bytes=-7", &tag).await;
+    assert!(status == 206 && bytes == whole.slice(length - 7..));
+    let (status, _, bytes) = part(&format!("bytes=-{}", length + 1), &tag).await;
+    assert!(status == 200 && bytes == whole, "the last so many of fewer bytes are all");
+    let (status, _, bytes) = part("bytes=100-", "\"another picture\"").await;
+    assert!(status == 200 && bytes == whole, "another picture begins anew");
+    let (status, place, _) = part(&format!("bytes={length}-"), &tag).await;
+    assert_eq!((status, place), (416, format!("bytes */{length}")));
+    let (status, _, bytes) = part("bytes=0-1,5-6", &tag).await;
+    assert!(status == 200 && bytes == whole);
+}
+
+/// The description is what programs are generated from: a change of it is looked at.
+#[tokio::test(flavor = "multi_thread")]
+async fn the_description_changes_only_on_purpose() {
+    let farm = Farm::in_memory(0).await;
+    let text = farm.send(Method::GET, "/openapi.json", &[], None).await.text().await.expect("text");
+    insta::assert_snapshot!(text);
+}
