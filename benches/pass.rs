@@ -1,4 +1,4 @@
-//! What a pass is made of, each part alone. `cargo bench --bench pass`; figures stand in `docs/PERFORMANCE.md`.
+//! What a pass is made of, each part alone. `cargo bench --bench pass`; figures stand in `docs/measured/PERFORMANCE.md`.
 
 use std::path::Path;
 use std::sync::Arc;

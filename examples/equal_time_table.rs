@@ -1,4 +1,4 @@
-//! The second table of `docs/ACCURACY.md`: every method on every reference after the same processor time.
+//! The second table of `docs/measured/ACCURACY.md`: every method on every reference after the same processor time.
 //!
 //! `cargo run --release --example equal_time_table -- 30 [reference …]` gives each cell 30 processor-seconds of one thread: with 9
 //! methods and 11 references that is 50 minutes.

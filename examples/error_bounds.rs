@@ -1,6 +1,6 @@
-//! How often a job's own error bound holds: makes `docs/ERROR-BOUNDS.md`.
+//! How often a job's own error bound holds: makes `docs/measured/ERROR-BOUNDS.md`.
 //!
-//! `cargo run --release --example error_bounds -- 4 > docs/ERROR-BOUNDS.md`: seeds per method and scene, 4 by default; about 25 minutes on
+//! `cargo run --release --example error_bounds -- 4 > docs/measured/ERROR-BOUNDS.md`: seeds per method and scene, 4 by default; about 25 minutes on
 //! one core. Names of references after the number choose among them.
 
 use std::error::Error;
@@ -97,7 +97,7 @@ fn print_row(scene: &str, method: &str, blind: bool, looks: &[Look]) {
 const HEADER: &str = "\
 # A job's own error estimate, checked
 
-Made by `cargo run --release --example error_bounds -- SEEDS > docs/ERROR-BOUNDS.md` (about 6 minutes a seed on one busy core).
+Made by `cargo run --release --example error_bounds -- SEEDS > docs/measured/ERROR-BOUNDS.md` (about 6 minutes a seed on one busy core).
 
 Every job makes two independent pictures, of its even and of its odd passes. Their difference gives the noise of the mean, in relMSE; what is found inside half of
 each gather disc beside the whole disc gives the bias of density estimates (`src/estimate/error.rs` has the formulas). The **bound** is 1.15 times the estimate

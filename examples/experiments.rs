@@ -1,5 +1,5 @@
 //! The experiments of the thesis on bidirectional photon mapping [Vorba 2011, chapters 2 and 4], on scenes of our own: pictures
-//! under `docs/pictures/experiments` and the tables of `docs/EXPERIMENTS.md` on standard output.
+//! under `docs/measured/pictures/experiments` and the tables of `docs/measured/EXPERIMENTS.md` on standard output.
 //!
 //! `cargo run --release --example experiments -- 60` gives each equal-time picture 60 processor-seconds; all together take about
 //! 30 minutes on two cores.
@@ -17,7 +17,7 @@ use photonfarm::method::{self, MethodChoice};
 use photonfarm::scene::Scene;
 use serde_json::{Map, Value, json};
 
-const PICTURES: &str = "docs/pictures/experiments";
+const PICTURES: &str = "docs/measured/pictures/experiments";
 
 type Outcome<T> = Result<T, Box<dyn Error>>;
 

@@ -1,6 +1,6 @@
-//! What lamps cost that light nothing which is seen: makes `docs/HIDDEN-LAMPS.md`.
+//! What lamps cost that light nothing which is seen: makes `docs/measured/HIDDEN-LAMPS.md`.
 //!
-//! `cargo run --release --example hidden_lamps -- 10 > docs/HIDDEN-LAMPS.md` gives each cell 10 processor-seconds of one thread and each
+//! `cargo run --release --example hidden_lamps -- 10 > docs/measured/HIDDEN-LAMPS.md` gives each cell 10 processor-seconds of one thread and each
 //! reference two hundred: about 40 minutes. Names of rows after the number choose among them.
 
 use std::error::Error;
@@ -114,7 +114,7 @@ fn render(
 const HEADER: &str = "\
 # What hidden lamps cost
 
-Made by `cargo run --release --example hidden_lamps -- 10 > docs/HIDDEN-LAMPS.md` (about 40 minutes on one core).
+Made by `cargo run --release --example hidden_lamps -- 10 > docs/measured/HIDDEN-LAMPS.md` (about 40 minutes on one core).
 
 Scenes with lamps that light nothing which is seen, each also *alone*: without those lamps. Both have the same picture. relMSE after equal time: *alone*
 as methods were before they learnt from a pilot what is hidden (`light_picks: importance`, `emission: power`, `occlusion: off`); *before*, the same with the hidden lamps; *now*, with

@@ -1,4 +1,4 @@
-//! Makes the table of `docs/MITSUBA-SCENES.md`: small scenes, one for each plugin, default and main parameter, beside Mitsuba's pictures.
+//! Makes the table of `docs/measured/MITSUBA-SCENES.md`: small scenes, one for each plugin, default and main parameter, beside Mitsuba's pictures.
 //!
 //! `cargo run --release --example mitsuba_scenes -- 256` renders all with 256 passes of the method that their integrator asks for; a
 //! second argument renders only those whose names start with it. `tools/mitsuba_scenes/make_references.py` makes the scenes and their references.

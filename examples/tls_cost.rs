@@ -1,5 +1,5 @@
 //! What encryption costs: bodies as large as the tally of a 1080p picture go from a worker's connection to a coordinator's server, both in this
-//! process, plain and encrypted in turns. `cargo run --release --example tls_cost`; about ten seconds. Figures stand in `docs/PERFORMANCE.md`.
+//! process, plain and encrypted in turns. `cargo run --release --example tls_cost`; about ten seconds. Figures stand in `docs/measured/PERFORMANCE.md`.
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,7 +1,7 @@
-"""How many workers one coordinator carries, and what more would. docs/SCALE.md explains it.
+"""How many workers one coordinator carries, and what more would. docs/measured/SCALE.md explains it.
 
 usage, in the project's root:
-  python3 tools/scale.py                      arithmetic and simulations, as they stand in docs/SCALE.md
+  python3 tools/scale.py                      arithmetic and simulations, as they stand in docs/measured/SCALE.md
   python3 tools/scale.py arithmetic           the arithmetic alone
   python3 tools/scale.py validate             the simulator beside what was measured
   python3 tools/scale.py simulate KEY=VALUE … one simulation; the keys are those of FARM
@@ -13,7 +13,7 @@ Plain Python 3; seeded: the same output every time, except for `measure`.
 import collections, heapq, json, math, os, random, re, socket, statistics, subprocess, sys, tempfile, threading, time
 import urllib.request
 
-# What was measured: docs/SCALE.md, "What was measured".
+# What was measured: docs/measured/SCALE.md, "What was measured".
 METHODS = {  # bytes a pixel: planes of a tally, the same as sent, a radius field as sent; is the radius rule `statistics`?
     "sppm": dict(raw=32, sent=25.2, field=3.2, statistics=True),
     "path": dict(raw=12, sent=10.1, field=0.0, statistics=False),
@@ -621,7 +621,7 @@ def number(value):
 
 
 def arithmetic():
-    """The formulas of docs/SCALE.md."""
+    """The formulas of docs/measured/SCALE.md."""
     rows = []
     for name, pixels in SIZES.items():
         for method, bytes_of in METHODS.items():
@@ -696,7 +696,7 @@ def simulations():
 
 
 def validate():
-    print("Rates as the simulator has them, beside what was measured (docs/SCALE.md).")
+    print("Rates as the simulator has them, beside what was measured (docs/measured/SCALE.md).")
     empty = dict(pixels=64 * 64, method="path", pass_seconds=2.0, passes=1, prefetch=False, newcomer=False, seconds=40.0)
     for name, given in (("farm_load 500 100: results/s", dict(workers=500, jobs=100)), ("farm_load 200 1: results/s", dict(workers=200, jobs=1))):
         print(f"  {name}: {Farm(**empty, **given).run()['results']:.1f}")

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the charts and tables of docs/SPEED-AND-ACCURACY.md: every method on every reference and on four scenes of our own, with
+# Makes the charts and tables of docs/measured/SPEED-AND-ACCURACY.md: every method on every reference and on four scenes of our own, with
 # Mitsuba's path tracer beside it. About an hour and a half of one core; stopped, it goes on where it was.
 #
 #   tools/speed_and_accuracy.sh FOLDER [MITSUBA_PYTHON]
@@ -33,7 +33,7 @@ if [ -n "$python" ]; then
     "$python" tools/mitsuba_curve.py $(ls -d tests/references/*/ | grep -v textured-env) --variant llvm_ad_rgb --seconds $budgets --seeds 1 -o "$folder/mitsuba.json"
     peers=(--peers "$folder/mitsuba.json")
 fi
-pictures=docs/pictures/speed-and-accuracy
+pictures=docs/measured/pictures/speed-and-accuracy
 mkdir -p $pictures
 $photonfarm chart "$folder/results.jsonl" "${peers[@]}" -o $pictures/references.png
 $photonfarm chart "$folder/results.jsonl" "${peers[@]}" --kind time -o $pictures/time.png

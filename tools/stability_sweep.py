@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The stability suite with other random numbers: how far what it measures is off over many seeds, and how often its bounds hold.
 
-    python3 tools/stability_sweep.py FIRST_SEED SEEDS > docs/STABILITY-SWEEP.md
+    python3 tools/stability_sweep.py FIRST_SEED SEEDS > docs/measured/STABILITY-SWEEP.md
 
 About a minute of one core a seed in the release profile, after building it. Seeds already measured are kept in
 target/stability-sweep/, so a sweep that was stopped goes on.
@@ -13,6 +13,8 @@ import statistics
 import subprocess
 import sys
 
+from provenance import provenance
+
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 FOLDER = os.path.join(ROOT, "target", "stability-sweep")
 OFF = re.compile(r"^(?:test \S+ \.\.\. )?(.+): (\S+) of (\S+), off by (\S+) %$")
@@ -20,7 +22,9 @@ BOUND = re.compile(r"^(?:test \S+ \.\.\. )?(.+): (\S+), bound (\S+)$")
 
 HEADER = """# The stability suite over seeds
 
-Made by `python3 tools/stability_sweep.py {first} {count} > docs/STABILITY-SWEEP.md`, about a minute of one core a seed in the release profile. What the suite of
+{provenance}
+
+Made by `python3 tools/stability_sweep.py {first} {count} > docs/measured/STABILITY-SWEEP.md`, about a minute of one core a seed in the release profile. What the suite of
 [STABILITY.md](STABILITY.md) measures with other random numbers, {count} seeds from {first}, so that chance can be told from error.
 """
 
@@ -51,7 +55,7 @@ def main():
                 offs[found[1]].append(float(found[4]))
             elif found := BOUND.match(line):
                 bounds[found[1]].append((float(found[2]), float(found[3])))
-    print(HEADER.format(first=first, count=count))
+    print(HEADER.format(first=first, count=count, provenance=provenance(ROOT)))
     for test, times in sorted(failures.items()):
         print(f"`{test}` fails in {times} of them.\n")
     print("| off by, % | mean | standard error | least | most |\n|---|---:|---:|---:|---:|")

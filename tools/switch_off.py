@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Switches each counter-measure of docs/STABILITY.md off in a copy of the crate, and sees whether the row's test fails then.
+"""Switches each counter-measure of docs/measured/STABILITY.md off in a copy of the crate, and sees whether the row's test fails then.
 
-    python3 tools/switch_off.py FOLDER > docs/STABILITY-SWITCHED-OFF.md
+    python3 tools/switch_off.py FOLDER > docs/measured/STABILITY-SWITCHED-OFF.md
     python3 tools/switch_off.py FOLDER "thin wall" shelf
 
 FOLDER gets the copy and its build. Rows can be named to run only them. About a minute a row, and six minutes for the first build: 48 minutes
@@ -15,14 +15,18 @@ import subprocess
 import sys
 import time
 
+from provenance import provenance
+
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 TABLE = os.path.join(ROOT, "tests", "stability", "counter_measures.json")
 
 HEADER = """# Counter-measures switched off
 
-Made by `python3 tools/switch_off.py FOLDER > docs/STABILITY-SWITCHED-OFF.md`: each counter-measure of [STABILITY.md](STABILITY.md) is switched off in a
+{provenance}
+
+Made by `python3 tools/switch_off.py FOLDER > docs/measured/STABILITY-SWITCHED-OFF.md`: each counter-measure of [STABILITY.md](STABILITY.md) is switched off in a
 copy of the crate, and the test of its row must fail then. What is replaced is in
-[tests/stability/counter_measures.json](../tests/stability/counter_measures.json). Seconds are those of building and testing.
+[tests/stability/counter_measures.json](../../tests/stability/counter_measures.json). Seconds are those of building and testing.
 
 | row | measure | switched off in | test | result | s |
 |---|---|---|---|---|---:|"""
@@ -115,7 +119,7 @@ def main():
     passes, output = run_tests(crate, sorted({entry["test"] for entry in entries}))
     if not passes:
         sys.exit("not all tests pass as the crate is:\n" + output)
-    print(HEADER, flush=True)
+    print(HEADER.format(provenance=provenance(ROOT)), flush=True)
     for entry in entries:
         begin = time.monotonic()
         result, fails = switch_off(crate, entry)

@@ -1,4 +1,4 @@
-//! Makes the table of `docs/MITSUBA-TESTS.md`: Mitsuba 3's own render tests, judged by Mitsuba's own rule.
+//! Makes the table of `docs/measured/MITSUBA-TESTS.md`: Mitsuba 3's own render tests, judged by Mitsuba's own rule.
 //!
 //! `cargo run --release --example mitsuba_tests -- ../shared/mitsuba-tests 256 path` renders every test with 256 passes of `path`,
 //! limited as its integrator says; it takes about 10 minutes of processor time. The rule: z = (mean − reference)·√(passes/variance) per pixel and channel, two-sided, at a

@@ -67,9 +67,9 @@ pub(crate) fn errors(picture: &Picture, truth: &Picture) -> Fallible<Metrics> {
     Ok(compare(picture, truth, None)?)
 }
 
-/// Writes `docs/photon-maps/NAME.png` and prints the line that shows it.
+/// Writes `docs/measured/photon-maps/NAME.png` and prints the line that shows it.
 pub(crate) fn show(picture: &Picture, name: &str, caption: &str) -> Fallible<()> {
-    let folder = Path::new("docs/photon-maps");
+    let folder = Path::new("docs/measured/photon-maps");
     std::fs::create_dir_all(folder)?;
     std::fs::write(folder.join(format!("{name}.png")), picture_files::encode_png(picture, 0.0)?)?;
     println!("![{caption}](photon-maps/{name}.png)");

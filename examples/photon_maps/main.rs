@@ -1,6 +1,6 @@
-//! The experiments of the photon-map thesis, run here: makes `docs/PHOTON-MAPS.md` and the pictures beside it.
+//! The experiments of the photon-map thesis, run here: makes `docs/measured/PHOTON-MAPS.md` and the pictures beside it.
 //!
-//! `cargo run --release --example photon_maps > docs/PHOTON-MAPS.md` runs all chapters; names behind `--` choose among them. How long
+//! `cargo run --release --example photon_maps > docs/measured/PHOTON-MAPS.md` runs all chapters; names behind `--` choose among them. How long
 //! each takes stands in [`CHAPTERS`].
 
 mod caustic_splitting;
@@ -92,7 +92,7 @@ fn main() -> Fallible<()> {
         println!("\n## {}\n", chapter.heading);
         (chapter.run)()?;
     }
-    println!("\nKeys in brackets: [REFERENCES.md](REFERENCES.md).");
+    println!("\nKeys in brackets: [REFERENCES.md](../REFERENCES.md).");
     Ok(())
 }
 
@@ -103,5 +103,5 @@ Wald's thesis [Wald 1999] names what is wrong with photon maps and tries remedie
 the claim holds. Its machines were a DEC Alpha at 333 MHz and a Celeron at 450 MHz, so only ratios of times compare; its scenes are modelled anew, so only ratios of
 errors do.
 
-Made by `cargo run --release --example photon_maps > docs/PHOTON-MAPS.md`; one chapter by its name behind `--`.
+Made by `cargo run --release --example photon_maps > docs/measured/PHOTON-MAPS.md`; one chapter by its name behind `--`.
 ";

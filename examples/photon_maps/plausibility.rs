@@ -97,7 +97,7 @@ takes their noise away, and their energy. To see whether the point sees the phot
 instead of 2½.
 
 Here `photon_map` has all of them (`arrival_angle`, `culling_plane`, `fewest_photons`, `occlusion`), and occlusion is tested only where something that stands on the surface bars the way
-to a photon ([METHODS.md](METHODS.md#photons-behind-walls)); the progressive methods have that, too. Photons on surfaces that face another way (more than 45°) never count. A thin sheet with
+to a photon ([METHODS.md](../METHODS.md#photons-behind-walls)); the progressive methods have that, too. Photons on surfaces that face another way (more than 45°) never count. A thin sheet with
 a floor 200 times as bright behind it, `photon_map` after 16 passes at 96²:
 ";
 

@@ -21,10 +21,10 @@ fn entries(list: &str) -> Vec<Value> {
     table[list].as_array().unwrap_or_else(|| panic!("no list \"{list}\"")).clone()
 }
 
-/// Names of rows in docs/STABILITY.md: what is bold at the start of a line of a table.
+/// Names of rows in docs/measured/STABILITY.md: what is bold at the start of a line of a table.
 fn rows() -> Vec<String> {
     let name = |line: &str| line.strip_prefix("| **")?.split_once("**").map(|(name, _)| name.to_owned());
-    read("docs/STABILITY.md").lines().filter_map(name).collect()
+    read("docs/measured/STABILITY.md").lines().filter_map(name).collect()
 }
 
 #[test]
@@ -55,5 +55,5 @@ fn every_row_has_a_counter_measure_or_a_reason() {
     }
     assert!(switched_off.is_disjoint(&excused), "rows both in the table and excused");
     let told: BTreeSet<&str> = switched_off.union(&excused).map(String::as_str).collect();
-    assert_eq!(told, known, "the rows of the table and of docs/STABILITY.md differ");
+    assert_eq!(told, known, "the rows of the table and of docs/measured/STABILITY.md differ");
 }

@@ -1,6 +1,6 @@
 //! Small scenes, one for each plugin, default and main parameter of Mitsuba 3, look as Mitsuba 3.9.1 shows them (`tests/mitsuba_scenes`).
 //!
-//! `docs/MITSUBA-SCENES.md` has the same comparison with more passes.
+//! `docs/measured/MITSUBA-SCENES.md` has the same comparison with more passes.
 
 use crate::mitsuba_scenes::{Judged, KNOWN, folder, judge, names};
 use rayon::prelude::*;

@@ -5,8 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use photonfarm::estimate::picture_files;
 use photonfarm::method::METHODS;
+
+mod documents;
 
 /// Layers from the lowest to the highest, each with those that it may import.
 const LAYERS: &[(&str, &[&str])] = &[
@@ -466,18 +467,6 @@ fn structure_methods_have_complete_rows() {
 }
 
 #[test]
-fn structure_the_manual_names_every_method_and_parameter() {
-    let manual = fs::read_to_string("docs/METHODS.md").expect("the manual is in the repository");
-    for method in METHODS {
-        assert!(manual.contains(&format!("`{}`", method.name)), "docs/METHODS.md lacks {}", method.name);
-        for parameter in method.parameters {
-            let name = format!("`{}`", parameter.name);
-            assert!(manual.contains(&name), "docs/METHODS.md lacks {}.{}", method.name, parameter.name);
-        }
-    }
-}
-
-#[test]
 fn structure_files_are_short_and_named_for_what_they_hold() {
     const BANNED: &[&str] = &["util", "utils", "common", "helper", "helpers", "misc", "manager"];
     let mut violations = Vec::new();
@@ -494,50 +483,4 @@ fn structure_files_are_short_and_named_for_what_they_hold() {
         }
     }
     assert_none(&violations, "files are short and say what they hold");
-}
-
-#[test]
-fn structure_references_are_complete() {
-    let folder = crate_folder().join("tests/references");
-    let readme = fs::read_to_string(folder.join("README.md")).expect("the references have a README");
-    let mut scenes = 0;
-    for entry in fs::read_dir(&folder).expect("the references are there") {
-        let path = entry.expect("an entry can be read").path();
-        if !path.is_dir() {
-            continue;
-        }
-        scenes += 1;
-        let name = path.file_name().expect("folders have names").to_string_lossy().into_owned();
-        for file in ["scene.xml", "ref.exr", "stderr.exr", "meta.json"] {
-            assert!(path.join(file).is_file(), "{name} has no {file}");
-        }
-        assert!(readme.contains(&format!("`{name}`")), "{name} is missing in the README of the references");
-    }
-    assert!(scenes >= 7, "only {scenes} references");
-}
-
-#[test]
-fn structure_layers_of_pictures_are_described() {
-    let document = fs::read_to_string(crate_folder().join("docs/REST.md")).expect("docs/REST.md is there");
-    for row in picture_files::LAYERS {
-        let line = format!("| `{}` | `{}`", row.name, row.channels[0]);
-        assert!(document.contains(&line), "docs/REST.md has no row {line}");
-    }
-}
-
-#[test]
-fn structure_scenes_are_described() {
-    let folder = crate_folder().join("scenes");
-    let readme = fs::read_to_string(folder.join("README.md")).expect("the scenes have a README");
-    let mut scenes = 0;
-    for entry in fs::read_dir(&folder).expect("the scenes are there") {
-        let path = entry.expect("an entry can be read").path();
-        if path.is_dir() {
-            scenes += 1;
-            let name = path.file_name().expect("folders have names").to_string_lossy().into_owned();
-            assert!(path.join("scene.xml").is_file(), "{name} has no scene.xml");
-            assert!(readme.contains(&name), "{name} is missing in the README of the scenes");
-        }
-    }
-    assert!(scenes >= 6, "only {scenes} scenes");
 }
