@@ -42,7 +42,7 @@ const LEAST_SHARE: f64 = 0.25;
 /// From so many standard deviations on, what the bias hides is more than chance.
 const CERTAIN: f64 = 2.0;
 /// Averaging makes the error of dark pixels beside bright ones look smaller: by up to this factor for nearly all pictures of our
-/// references (docs/ERROR-BOUNDS.md).
+/// references (docs/measured/ERROR-BOUNDS.md).
 const MARGIN: f64 = 1.15;
 
 /// A picture's error as its own passes tell it.

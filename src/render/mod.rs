@@ -188,7 +188,7 @@ impl Renderer {
     }
 }
 
-/// Nanoseconds of one core for each thing counted, as measured once (docs/PERFORMANCE.md); only their order matters.
+/// Nanoseconds of one core for each thing counted, as measured once (docs/measured/PERFORMANCE.md); only their order matters.
 const NANOSECONDS_PER_RAY: u64 = 90;
 const NANOSECONDS_PER_PHOTON: u64 = 60;
 const NANOSECONDS_PER_PIXEL: u64 = 250;

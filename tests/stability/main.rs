@@ -10,7 +10,6 @@ mod progressive;
 mod scene_text;
 
 mod boundaries;
-mod chains;
 mod counter_measures;
 mod noise;
 mod numbers;

@@ -1,5 +1,5 @@
 //! A photon in 20 bytes, after Wald 1999, section 2.2: the flux shares an exponent, directions are coarse. No method keeps photons so, since
-//! unpacking takes longer than memory saves; `docs/PHOTON-MAPS.md` has the figures.
+//! unpacking takes longer than memory saves; `docs/measured/PHOTON-MAPS.md` has the figures.
 
 use super::photon::{MOST_SEGMENTS, SCATTERED};
 use super::{Photon, StoredPhoton};
