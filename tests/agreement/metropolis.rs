@@ -4,7 +4,7 @@ use crate::methods::{ERRORS, mean_and_error};
 use crate::progressive::{Job, reference_folder, reference_scene};
 use photonfarm::estimate::{PixelTally, RadiusField, Region, Shard, picture_files};
 use photonfarm::math::random::{PathRandom, Stream};
-use photonfarm::transport::metropolis::mutation::{Source, moved};
+use photonfarm::transport::metropolis::mutation::{LARGEST_STEP, Source, moved};
 
 /// A closed furnace has radiance 1, whichever paths its chains keep to; with mirrors and glass, too.
 #[test]

@@ -10,6 +10,7 @@ mod progressive;
 mod scene_text;
 
 mod boundaries;
+mod chains;
 mod counter_measures;
 mod noise;
 mod numbers;
