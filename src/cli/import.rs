@@ -103,7 +103,7 @@ fn write(description: &SceneDescription, output: &Path, format: NativeFormat) ->
                 if path == output {
                     let text =
                         format!("the scene refers to a file that is called \"{name}\" itself; choose another -o");
-                    return Err(CliError::BadInput(text));
+                    return Err(CliError::Usage(text));
                 }
                 copy_beside(&path, content)?;
             }

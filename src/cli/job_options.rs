@@ -38,10 +38,10 @@ pub(super) struct JobOptions {
     #[command(flatten)]
     stop: StopOptions,
     /// Passes of a full-grown shard, 1 to 1024; by default as many as cost one core about a second. Other cuts have other bits.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = shards_per_epoch)]
     passes_per_shard: Option<u32>,
     /// Shards of a region between two refreshes of the radii, even, 2 to 4096; 16 by default. More let more workers trace one picture.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Cut::MOST_PASSES)))]
     shards_per_epoch: Option<u32>,
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0)]
@@ -140,3 +140,9 @@ pub(super) fn priority(text: &str) -> Result<Priority, String> {
     let number: u16 = text.parse().map_err(|_| "give a number from 1 to 1000".to_owned())?;
     Priority::try_from(number).map_err(|problem| problem.to_string())
 }
+/// Shards between two refreshes of the radii: both twins have as many.
+fn shards_per_epoch(text: &str) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|shards: &u32| (2..=Cut::MOST_SHARDS).contains(shards) && shards % 2 == 0);
+    number.ok_or_else(|| format!("give an even number from 2 to {}", Cut::MOST_SHARDS))
+}
+

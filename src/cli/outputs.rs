@@ -50,7 +50,7 @@ impl OutputOptions {
         let exposure = self.exposure();
         if !exposure.is_possible() {
             let text = format!("exposure is {exposure}; give a number of stops from -64 to 64, or auto");
-            return Err(CliError::BadInput(text));
+            return Err(CliError::Usage(text));
         }
         let formats = self.outputs.iter().map(|path| PictureFormat::of_path(path)).collect::<Result<Vec<_>, _>>()?;
         self.check_formats(&formats)?;

@@ -40,7 +40,7 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn run(self) -> Result<(), CliError> {
         if !(self.error > 0.0 && self.error.is_finite()) {
-            return Err(CliError::BadInput(format!("--error is {}; give a relMSE above 0, as 0.01", self.error)));
+            return Err(CliError::Usage(format!("--error is {}; give a relMSE above 0, as 0.01", self.error)));
         }
         let scene = Scene::prepare(&self.options.load(&self.scene)?)?;
         let (needs, size) = (scene.needs(), [scene.width, scene.height]);
