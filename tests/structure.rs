@@ -63,7 +63,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("lz4_flex", &["farm/wire"]),
     ("clap", &["cli", "main.rs"]),
     ("indicatif", &["cli"]),
-    ("console", &["cli/top.rs"]),
+    ("console", &["cli/top.rs", "cli/progress.rs"]),
     ("tracing_subscriber", &["cli", "main.rs"]),
 ];
 
