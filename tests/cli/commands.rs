@@ -317,7 +317,8 @@ const FOG: &str =
 fn plan_tells_what_a_scene_needs_and_who_is_fastest() {
     let scene = "scenes/cornell-glass-mirror/scene.xml";
     let plan = stdout(&run(&["plan", scene, "-D", "size=16"]));
-    for told in ["16 × 16", "mirrors or glass", "\nmethod ", "processor-seconds to relMSE 0.01", "sppm", "bdpt"] {
+    for told in ["16 × 16", "mirrors or glass", "\nmethod ", " to ", "processor-seconds to relMSE 0.01", "sppm", "bdpt"]
+    {
         assert!(plan.contains(told), "no {told:?} in\n{plan}");
     }
     assert!(plan.lines().count() <= 10, "{plan}");
