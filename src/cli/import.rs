@@ -6,7 +6,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit_code::CliError;
-use super::scene_options::{SceneOptions, scene_help};
+use super::scene_input::scene_help;
+use super::scene_options::SceneOptions;
 use super::terminal;
 use crate::import::native;
 use crate::scene::description::SceneDescription;

@@ -33,6 +33,7 @@ mod rm;
 mod scene;
 mod scene_file;
 mod scene_options;
+mod scene_input;
 mod scenes;
 mod serve;
 mod shell;

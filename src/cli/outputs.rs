@@ -9,6 +9,7 @@ use super::client::Client;
 use super::exit_code::CliError;
 use super::progress::passes_of;
 use super::terminal;
+use super::scene_input::picture_name;
 use crate::estimate::picture_files::{
     Exposure, JPEG_QUALITY, LAYERS, PictureFormat, PictureOrigin, TONES, ToneCurve, check_writable, read_origin,
     write_file,
@@ -141,18 +142,6 @@ fn tone_names() -> PossibleValuesParser {
 
 /// `<name>.exr` and `<name>.png` in the current folder. A scene file that is called `scene` has its folder's name.
 pub(super) fn default_outputs(scene: &Path) -> Vec<PathBuf> {
-    let full = std::path::absolute(scene).unwrap_or_else(|_| scene.to_owned());
-    let folder = full.parent().and_then(Path::file_name);
-    let name = match full.file_stem() {
-        Some(stem) if stem == "scene" => folder.unwrap_or(stem),
-        Some(stem) => stem,
-        None => "picture".as_ref(),
-    };
-    ["exr", "png"]
-        .map(|extension| {
-            let mut file = name.to_owned();
-            file.push(format!(".{extension}"));
-            PathBuf::from(file)
-        })
-        .to_vec()
+    let name = picture_name(scene);
+    ["exr", "png"].map(|extension| name.with_added_extension(extension)).to_vec()
 }

@@ -19,6 +19,7 @@ use crate::scene::Scene;
 
 /// Render a scene on this machine.
 ///
+use crate::import::{UNNAMED, load_bytes};
 /// Without -o the picture goes to NAME.exr and NAME.png in the current folder, NAME being the scene file's, or its
 /// folder's where the file is called scene. Ctrl-C stops, writes the picture so far, and gives exit code 130.
 #[derive(Clone, Debug, Args)]
@@ -78,12 +79,13 @@ impl Render {
         }
         let written = self.output.write(client, &status).await?;
         terminal::note(&rates(&status, threads));
-        if self.time_shares && !interrupted {
-            terminal::note(&self.time_shares_of(&status, threads)?);
+        if let Some(scene) = kept.filter(|_| !interrupted) {
+            terminal::note(&time_shares_of(&status, &scene, threads)?);
         }
         match (interrupted, written) {
             (true, true) => Err(CliError::Interrupted),
             (true, false) => {
+        let kept = self.time_shares.then(|| scene.clone());
                 terminal::note("nothing was rendered yet: no picture is written");
                 Err(CliError::Interrupted)
             }
@@ -95,19 +97,17 @@ impl Render {
         }
     }
 
-    /// One line on what a pass of the job spends its time on.
-    fn time_shares_of(&self, job: &JobStatus, threads: usize) -> Result<String, CliError> {
-        let scene = Arc::new(Scene::prepare(&self.job.options.load(&self.job.scene)?)?);
-        let choice = MethodChoice { name: job.method.clone(), parameters: job.parameters.clone() };
-        let measure = || time_shares(&scene, &choice, job.seed, &mut ProcessStopwatch::start()?);
-        let TimeShares { pass, density_estimates, weights } =
-            on_threads(threads, measure).and_then(|shares| shares).map_err(CliError::failed)?;
-        let mut text = format!("a pass takes {pass:.3} processor-seconds");
-        let shares = [("density estimates with their weights", density_estimates), ("weights", weights)];
-        for (what, share) in shares {
-            text += &share.map_or(String::new(), |share| format!(", {what} {:.0} %", 100.0 * share));
-        }
-        Ok(text)
+/// One line on what a pass of the job spends its time on.
+fn time_shares_of(job: &JobStatus, scene: &[u8], threads: usize) -> Result<String, CliError> {
+    let scene = Arc::new(Scene::prepare(&load_bytes(UNNAMED, scene, &[])?)?);
+    let choice = MethodChoice { name: job.method.clone(), parameters: job.parameters.clone() };
+    let measure = || time_shares(&scene, &choice, job.seed, &mut ProcessStopwatch::start()?);
+    let TimeShares { pass, density_estimates, weights } =
+        on_threads(threads, measure).and_then(|shares| shares).map_err(CliError::failed)?;
+    let mut text = format!("a pass takes {pass:.3} processor-seconds");
+    let shares = [("density estimates with their weights", density_estimates), ("weights", weights)];
+    for (what, share) in shares {
+        text += &share.map_or(String::new(), |share| format!(", {what} {:.0} %", 100.0 * share));
     }
 }
 
@@ -122,6 +122,7 @@ pub(super) async fn follow_or_cancel(
         interrupted = signals::interrupted() => interrupted?,
     }
     signals::end_on_next_interrupt();
+}
     client.control(id, "/cancel").await?;
     Ok((client.follow(id, |_| ()).await?, true))
 }
@@ -137,6 +138,7 @@ fn rates(status: &JobStatus, threads: usize) -> String {
         passes_of(status.passes_done),
         rate(status),
         status.seconds,
+    Ok(text)
         acceptance(status),
     )
 }

@@ -7,14 +7,10 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::job_options::define;
 use super::scene_file;
+use super::scene_input::SceneInput;
 use crate::import::changes::{Changes, Crop, Environment};
-use crate::import::{formats, load_changed};
+use crate::import::{load_changed, load_read};
 use crate::scene::description::SceneDescription;
-
-/// What the scene argument may be.
-pub(super) fn scene_help() -> String {
-    format!("Scene: {}", formats::told())
-}
 
 /// Changes of a scene of any format.
 #[derive(Clone, Debug, Default, Args)]
@@ -44,10 +40,20 @@ struct Size {
 }
 
 impl SceneOptions {
-    /// Reads the scene at `path` with these changes.
-    pub(super) fn load(&self, path: &Path) -> Result<SceneDescription, CliError> {
-        scene_file::check_readable(path)?;
-        Ok(load_changed(path, &self.defines, &self.changes())?)
+    /// Reads the scene with these changes.
+    pub(super) fn load(&self, argument: &Path) -> Result<SceneDescription, CliError> {
+        self.check_defines()?;
+        let changes = self.changes();
+        Ok(match SceneInput::open(argument)? {
+            SceneInput::File(file) => load_changed(&file, &self.defines, &changes)?,
+            SceneInput::Bytes(bytes) => load_read(SceneInput::read_scene(&bytes), &self.defines, &changes)?,
+        })
+    }
+
+    /// The scene with everything it refers to and these changes, as bytes to upload.
+    pub(super) fn pack(&self, argument: &Path) -> Result<Vec<u8>, CliError> {
+        self.check_defines()?;
+        scene_file::pack(argument, &self.defines, &self.changes())
     }
 
     /// The scene at `path` with everything it refers to and these changes, as bytes to upload.

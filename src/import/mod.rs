@@ -42,11 +42,11 @@ use crate::scene::description::{Node, SceneDescription, Value};
 use crate::scene::error::{Location, SceneError};
 use changes::Changes;
 use draft::Reading;
-pub use formats::scene_in_archive;
 use formats::{Format, format};
 
-pub use pack::{UNNAMED, pack, packed_names};
+pub use pack::{UNNAMED, pack, pack_read, packed_names};
 
+pub use formats::{scene_file, scene_in_archive};
 /// How deep plugins and values may nest, and how long a chain of references may be.
 const DEPTH_LIMIT: usize = 64;
 
@@ -117,6 +117,16 @@ impl Source {
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
         substitution::refuse_repeated(defines, &location)?;
+    /// A scene file of `folder`, or an archive, which has all its files inside.
+    fn read_in(folder: &Path, name: &str, bytes: Arc<[u8]>) -> Result<Self, SceneError> {
+        let location = Location { file: name.to_owned(), ..Location::default() };
+        if format(&bytes, &location)? == Format::Zip {
+            return Self::from_bytes(name, bytes);
+        }
+        let bundle = Bundle::Folder(folder.to_owned());
+        Ok(Self { name: name.to_owned(), text: bytes, bundle, changes: Changes::default() })
+    }
+
         let mut bundle = self.bundle.clone();
         let Changes { camera, environment, .. } = &self.changes;
         let camera = camera.as_deref();
@@ -176,6 +186,31 @@ fn read_source(path: &Path) -> Result<Source, SceneError> {
     let bytes = read_file(path)
         .map_err(|error| SceneError::new(&location, format!("the file cannot be read: {error}"), ""))?
         .ok_or_else(|| SceneError::new(&location, "the file is larger than 1 GiB", "split it"))?;
+/// [`load_changed`] of a scene that was read already; files that it refers to are looked up in `folder`.
+///
+/// # Errors
+/// As [`load_changed`].
+pub fn load_read(
+    scene: ReadScene<'_>,
+    defines: &[(String, String)],
+    changes: &Changes,
+) -> Result<SceneDescription, SceneError> {
+    let mut source = Source::read_in(scene.folder, scene.name, scene.bytes.into())?;
+    source.changes = changes.clone().over(source.changes);
+    source.import(defines).map(|imported| imported.description)
+}
+
+/// A scene that was read already, for example from standard input.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadScene<'a> {
+    /// What errors call it.
+    pub name: &'a str,
+    /// Its text, or a zip archive.
+    pub bytes: &'a [u8],
+    /// Where files are looked up that it refers to.
+    pub folder: &'a Path,
+}
+
     if format(&bytes, &location)? == Format::Zip {
         return Source::from_bytes(&name, bytes);
     }
@@ -183,7 +218,7 @@ fn read_source(path: &Path) -> Result<Source, SceneError> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    Ok(Source { name, text: bytes, bundle: Bundle::Folder(folder.to_owned()), changes: Changes::default() })
+    Source::read_in(folder, &name, bytes)
 }
 
 /// An archive that was unpacked, with the name of its scene file.

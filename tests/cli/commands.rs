@@ -179,8 +179,8 @@ fn what_is_given_twice_is_refused() {
         assert!(told.contains("\" is given twice; give it once"), "{told}");
     }
     // Mitsuba refuses the second value of a parameter, too.
-    let told = render(&["-D", "size=16", "-D", "size=32"], 3);
-    assert!(told.contains("scene.xml: parameter \"size\" is defined twice; define it once"), "{told}");
+    let told = render(&["-D", "size=16", "-D", "size=32"], 2);
+    assert!(told.contains("-D \"size\" is given twice; give it once"), "{told}");
     let plan = ["plan", SCENE, "--set", "alpha=0.5", "--set", "alpha=0.6"];
     assert!(failure(&run(&plan), 2).contains("\"alpha\" is given twice"));
     assert!(!Path::new(&output).exists());
