@@ -44,6 +44,7 @@ mod store_options;
 mod submit;
 mod terminal;
 mod tls_options;
+mod tev;
 mod token;
 mod token_option;
 mod top;

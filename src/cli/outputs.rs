@@ -36,7 +36,7 @@ pub(super) struct OutputOptions {
     quality: Option<u8>,
     /// Further layers of EXR files, separated by commas.
     #[arg(long, value_delimiter = ',', value_parser = layer_names())]
-    layers: Vec<String>,
+    pub(super) layers: Vec<String>,
     /// Write colors and directions of EXR files as 16-bit floats; distances, places, counts, errors and what is beyond 65504 stay at 32 bits.
     #[arg(long)]
     half: bool,

@@ -14,6 +14,8 @@ use super::progress::{Progress, acceptance, passes_of, rate};
 use super::{signals, terminal, weight_maps};
 use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
+use super::scene_input::picture_name;
+use super::tev::TevOption;
 use crate::method::MethodChoice;
 use crate::scene::Scene;
 
@@ -71,7 +73,13 @@ impl Render {
         };
         let strategies = self.weight_maps.as_ref().map(|_| weight_maps::strategies(&job)).transpose()?;
         let mut progress = Progress::new();
-        let (status, interrupted) = follow_or_cancel(client, &job.id, &mut progress).await?;
+        let name = picture_name(&self.job.scene).to_string_lossy().into_owned();
+        let viewer = self.tev.show(client, &job.id, name, &self.output.layers);
+        let show = |status: &JobStatus| {
+            progress.show(status);
+            viewer.update(status);
+        };
+        let (status, interrupted) = follow_or_cancel(client, &job.id, show).await?;
         progress.finish();
         if status.state == JobState::Failed {
             let error = CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()));
@@ -92,6 +100,8 @@ impl Render {
             (false, true) => match self.weight_maps.as_deref().zip(strategies) {
                 Some((file, strategies)) => weight_maps::write(client, &status, &strategies, file).await,
                 None => Ok(()),
+        viewer.update(&status);
+        viewer.finish().await?;
             },
             (false, false) => Err(CliError::Failed("the job ended without a picture; give it more time".to_owned())),
         }
@@ -115,10 +125,10 @@ fn time_shares_of(job: &JobStatus, scene: &[u8], threads: usize) -> Result<Strin
 pub(super) async fn follow_or_cancel(
     client: &Client,
     id: &str,
-    progress: &mut Progress,
+    show: impl FnMut(&JobStatus),
 ) -> Result<(JobStatus, bool), CliError> {
     tokio::select! {
-        status = client.follow(id, |status| progress.show(status)) => return Ok((status?, false)),
+        status = client.follow(id, show) => return Ok((status?, false)),
         interrupted = signals::interrupted() => interrupted?,
     }
     signals::end_on_next_interrupt();
