@@ -16,5 +16,6 @@ mod messages;
 mod mgf;
 mod mitsuba_cases;
 mod mitsuba_plugins;
+mod motion;
 mod pbrt;
 mod small_scenes;
