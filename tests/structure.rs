@@ -36,6 +36,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("object_store", &["farm/store"]),
     ("exr", &["estimate/picture_files", "scene/texture", "import/pbrt/infinite.rs"]),
     ("image", &["estimate/picture_files", "scene/texture"]),
+    ("png", &["estimate/picture_files/animated_png.rs"]),
     ("plotters", &["evaluation/chart/canvas.rs"]),
     ("rayon", &["transport", "method", "render", "evaluation/run.rs", "evaluation/stopwatch.rs", "farm/worker"]),
     ("tokio", &["farm", "api", "cli", "main.rs"]),

@@ -7,9 +7,10 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::client::Client;
 use super::exit_code::CliError;
+use super::frames::Frame;
 use super::progress::passes_of;
-use super::terminal;
 use super::scene_input::picture_name;
+use super::terminal;
 use crate::estimate::picture_files::{
     Exposure, JPEG_QUALITY, LAYERS, PictureFormat, PictureOrigin, TONES, ToneCurve, check_writable, read_origin,
     write_file,
@@ -79,6 +80,16 @@ impl OutputOptions {
         }
     }
 
+    /// The same for a frame of a sequence: its number goes into the files' names.
+    pub(super) fn of_frame(&self, frame: &Frame) -> Self {
+        Self { outputs: self.outputs.iter().map(|path| frame.file(path)).collect(), ..self.clone() }
+    }
+
+    /// What is asked of a coordinator for a frame of a preview.
+    pub(super) fn preview_image(&self) -> String {
+        format!("image.png?{}&bits=8", self.display())
+    }
+
     fn exposure(&self) -> Exposure {
         self.exposure.unwrap_or_default()
     }
@@ -102,9 +113,14 @@ impl OutputOptions {
         Ok(true)
     }
 
-    fn image(&self, path: &Path) -> Result<String, CliError> {
+    /// How pictures to look at are made of radiance.
+    fn display(&self) -> String {
         let tone = self.tone.as_deref().unwrap_or(ToneCurve::Linear.row().name);
-        let display = format!("exposure={}&tone={tone}", self.exposure());
+        format!("exposure={}&tone={tone}", self.exposure())
+    }
+
+    fn image(&self, path: &Path) -> Result<String, CliError> {
+        let display = self.display();
         Ok(match PictureFormat::of_path(path)? {
             PictureFormat::Exr => format!("image.exr?layers={}&half={}", self.layers.join(","), self.half),
             PictureFormat::Png => format!("image.png?{display}&bits={}", self.bits.as_deref().unwrap_or("8")),
@@ -140,7 +156,7 @@ fn tone_names() -> PossibleValuesParser {
     TONES.map(|row| PossibleValue::new(row.name).help(row.meaning)).into()
 }
 
-/// `<name>.exr` and `<name>.png` in the current folder. A scene file that is called `scene` has its folder's name.
+/// `<name>.exr` and `<name>.png` in the current folder.
 pub(super) fn default_outputs(scene: &Path) -> Vec<PathBuf> {
     let name = picture_name(scene);
     ["exr", "png"].map(|extension| name.with_added_extension(extension)).to_vec()

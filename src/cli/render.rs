@@ -1,5 +1,7 @@
 //! `render`: a scene on this machine, by a coordinator and workers in this process.
 
+mod sequence;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,20 +10,22 @@ use clap::Args;
 use super::client::Client;
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
+use super::frames::FrameOptions;
 use super::job_options::JobOptions;
 use super::outputs::{OutputOptions, default_outputs};
 use super::progress::{Progress, acceptance, passes_of, rate};
+use super::scene_input::picture_name;
+use super::tev::TevOption;
 use super::{signals, terminal, weight_maps};
 use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
-use super::scene_input::picture_name;
-use super::tev::TevOption;
+use crate::import::{UNNAMED, load_bytes};
 use crate::method::MethodChoice;
 use crate::scene::Scene;
+use sequence::PreviewOptions;
 
 /// Render a scene on this machine.
 ///
-use crate::import::{UNNAMED, load_bytes};
 /// Without -o the picture goes to NAME.exr and NAME.png in the current folder, NAME being the scene file's, or its
 /// folder's where the file is called scene. Ctrl-C stops, writes the picture so far, and gives exit code 130.
 #[derive(Clone, Debug, Args)]
@@ -30,13 +34,19 @@ pub(super) struct Render {
     job: JobOptions,
     #[command(flatten)]
     output: OutputOptions,
+    #[command(flatten)]
+    frames: FrameOptions,
+    #[command(flatten)]
+    preview: PreviewOptions,
+    #[command(flatten)]
+    tev: TevOption,
     /// Also render how the method weighs its strategies: weights per pixel as layers of this file, and a sheet of them beside
     /// it as .png. Each strategy is a job of as many passes as the picture: of --length N, or else those of 2 to 4 segments.
-    #[arg(long, value_name = "FILE.exr")]
+    #[arg(long, value_name = "FILE.exr", conflicts_with = "frames")]
     weight_maps: Option<PathBuf>,
     /// Also tell what a pass spends its processor time on: tracing, density estimates, multiple importance weights. Takes a few
     /// seconds more.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "frames")]
     time_shares: bool,
     /// Workers to start; the picture does not depend on it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -53,13 +63,21 @@ impl Render {
         }
         self.output.check()?;
         self.weight_maps.as_deref().map(weight_maps::check).transpose()?;
+        self.preview.check()?;
         let scene = self.job.options.pack(&self.job.scene)?;
+        let frames = self.frames.of(&scene, &self.job.options)?;
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
         let mut farm = farm_with_api(workers, threads).start().await?;
         let client = Client::new(&farm.url(), None, None)?;
+        let rendered = async {
+            match frames {
+                Some(frames) => self.render_sequence(&client, scene, &frames, workers * threads).await,
+                None => self.render(&client, scene, workers * threads).await,
+            }
+        };
         let result = tokio::select! {
-            result = self.render(&client, scene, workers * threads) => result,
+            result = rendered => result,
             failure = farm.failure() => Err(failure.into()),
         };
         farm.stop().await;
@@ -67,6 +85,7 @@ impl Render {
     }
 
     async fn render(&self, client: &Client, scene: Vec<u8>, threads: usize) -> Result<(), CliError> {
+        let kept = self.time_shares.then(|| scene.clone());
         let job = tokio::select! {
             job = self.job.send(client, scene) => job?,
             interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
@@ -81,6 +100,8 @@ impl Render {
         };
         let (status, interrupted) = follow_or_cancel(client, &job.id, show).await?;
         progress.finish();
+        viewer.update(&status);
+        viewer.finish().await?;
         if status.state == JobState::Failed {
             let error = CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()));
             return Err(error.about(&self.job.scene));
@@ -93,19 +114,17 @@ impl Render {
         match (interrupted, written) {
             (true, true) => Err(CliError::Interrupted),
             (true, false) => {
-        let kept = self.time_shares.then(|| scene.clone());
                 terminal::note("nothing was rendered yet: no picture is written");
                 Err(CliError::Interrupted)
             }
             (false, true) => match self.weight_maps.as_deref().zip(strategies) {
                 Some((file, strategies)) => weight_maps::write(client, &status, &strategies, file).await,
                 None => Ok(()),
-        viewer.update(&status);
-        viewer.finish().await?;
             },
             (false, false) => Err(CliError::Failed("the job ended without a picture; give it more time".to_owned())),
         }
     }
+}
 
 /// One line on what a pass of the job spends its time on.
 fn time_shares_of(job: &JobStatus, scene: &[u8], threads: usize) -> Result<String, CliError> {
@@ -119,6 +138,7 @@ fn time_shares_of(job: &JobStatus, scene: &[u8], threads: usize) -> Result<Strin
     for (what, share) in shares {
         text += &share.map_or(String::new(), |share| format!(", {what} {:.0} %", 100.0 * share));
     }
+    Ok(text)
 }
 
 /// The job's last status, and whether the user stopped it.
@@ -132,7 +152,6 @@ pub(super) async fn follow_or_cancel(
         interrupted = signals::interrupted() => interrupted?,
     }
     signals::end_on_next_interrupt();
-}
     client.control(id, "/cancel").await?;
     Ok((client.follow(id, |_| ()).await?, true))
 }
@@ -148,7 +167,6 @@ fn rates(status: &JobStatus, threads: usize) -> String {
         passes_of(status.passes_done),
         rate(status),
         status.seconds,
-    Ok(text)
         acceptance(status),
     )
 }

@@ -11,4 +11,8 @@ mod evaluate;
 mod jobs;
 mod maps;
 mod pictures;
+mod progress;
+mod scene_input;
+mod sequences;
 mod shell;
+mod tev;
