@@ -1,7 +1,7 @@
 //! The commands of README.md: its blocks of shell code run in order, and make what they name.
 //!
-//! They run as they stand, but for what would take long or reach beyond the test: fewer passes, one thread, a port and a data folder of the test's
-//! own, and the program that is tested in place of `cargo run --release --`.
+//! They run as they stand, but for what would take long or reach beyond the test: fewer passes and pixels, one thread, a port and a data folder of
+//! the test's own, and the program that is tested in place of `cargo run --release --`.
 
 use std::fs;
 use std::net::TcpListener;
@@ -13,6 +13,9 @@ use std::process::{Command, Output};
 const FEWER: u32 = 8;
 /// Passes of a render that names none.
 const PASSES: u32 = 4;
+
+/// Pixels on a side of a picture whose size is not given.
+const SIZE: u32 = 128;
 
 /// What stands before the blocks: every failure ends the script, `curl` fails when it is refused, and what was started ends with it.
 const BEFORE: &str = r#"
@@ -38,6 +41,9 @@ fn substituted(block: &str, port: u16) -> String {
             line = line.replace(" --workers 2", " --workers 1") + " --threads 1";
             if !line.contains("--passes") {
                 line += &format!(" --passes {PASSES}");
+            }
+            if !line.contains("size") {
+                line += &format!(" --size {SIZE}");
             }
         }
         if line.starts_with("photonfarm serve") {

@@ -71,7 +71,7 @@ fn scenes_that_are_not_there_are_told() {
     let several = failure(&["submit", text(folder.path())], 3);
     assert!(several.contains("has several scene files at its top level: a.xml, b.xml"), "{several}");
     let broken = ended(&fed(folder.path(), &["scene", "check", "-"], b"<scene>\n<oops"), 3);
-    assert!(broken.contains("standard input:2"), "{broken}");
+    assert!(broken.contains("standard input:1"), "{broken}");
     // Nothing is fed here.
     assert!(ended(&run(&["plan", "-"]), 3).contains("standard input: the scene file is empty"));
 }
