@@ -9,8 +9,8 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// A render or job has its number of passes divided by this.
-const FEWER: u32 = 8;
+/// By what passes are divided: those of renders, and those of jobs over HTTP, whose pictures keep their size.
+const FEWER: [(&str, u32); 2] = [("--passes ", 8), ("\"passes\": ", 32)];
 /// Passes of a render that names none.
 const PASSES: u32 = 4;
 
@@ -58,11 +58,11 @@ fn substituted(block: &str, port: u16) -> String {
 /// `--passes 16` and `"passes": 256` with fewer of them.
 fn with_fewer_passes(line: &str) -> String {
     let mut line = line.to_owned();
-    for before in ["--passes ", "\"passes\": "] {
+    for (before, fewer) in FEWER {
         if let Some((head, tail)) = line.split_once(before) {
             let end = tail.find(|sign: char| !sign.is_ascii_digit()).unwrap_or(tail.len());
             let passes: u32 = tail[..end].parse().expect("a number of passes");
-            line = format!("{head}{before}{}{}", passes / FEWER, &tail[end..]);
+            line = format!("{head}{before}{}{}", passes / fewer, &tail[end..]);
         }
     }
     line

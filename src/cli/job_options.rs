@@ -161,7 +161,8 @@ pub(super) fn setting(text: &str) -> Result<(String, serde_json::Value), String>
 
 /// Shards between two refreshes of the radii: both twins have as many.
 fn shards_per_epoch(text: &str) -> Result<u32, String> {
-    let number = text.parse().ok().filter(|shards: &u32| (2..=Cut::MOST_SHARDS).contains(shards) && shards % 2 == 0);
+    let number =
+        text.parse().ok().filter(|shards: &u32| (2..=Cut::MOST_SHARDS).contains(shards) && shards.is_multiple_of(2));
     number.ok_or_else(|| format!("give an even number from 2 to {}", Cut::MOST_SHARDS))
 }
 

@@ -70,10 +70,10 @@ impl Map {
     /// Refuses a scale that no picture can have.
     fn check_scale(&self) -> Result<(), CliError> {
         let text = match (self.low, self.high) {
-            (Some(low), Some(high)) if !(low < high) => {
+            (Some(low), Some(high)) if low >= high => {
                 format!("the scale would go from {low} to {high}; give --low below --high")
             }
-            (Some(low), _) if self.log && !(low > 0.0) => {
+            (Some(low), _) if self.log && low <= 0.0 => {
                 format!("a logarithmic scale cannot begin at {low}; give --low above 0, or --linear")
             }
             _ => return Ok(()),
