@@ -35,8 +35,8 @@ pub struct JobSubmission {
     #[schema(value_type = Option<Object>)]
     pub scene_inline: Option<serde_json::Value>,
     /// What is changed of the scene: `width`, `height` (pixels; one alone keeps the picture's proportions), `crop` (`x`, `y`,
-    /// `width`, `height`), `camera` (a name or an index as text), `environment` (`on` or `off`: a white environment). The
-    /// changed scene is kept as a scene of its own.
+    /// `width`, `height`), `camera` (a name or an index as text), `environment` (`on` or `off`: a white environment), `time` (the
+    /// moment that is shown), `between_cameras` (`from`, `to`, `share` of the way). The changed scene is kept as a scene of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schema(value_type = Option<Object>)]
     pub scene_changes: Option<SceneChanges>,

@@ -46,7 +46,7 @@ pub(super) type Encoder = fn(&Drawing) -> Result<Vec<u8>, CanvasError>;
 impl Chart {
     pub(super) fn run(self) -> Result<(), CliError> {
         if !(self.target > 0.0 && self.target.is_finite()) {
-            return Err(CliError::BadInput(format!("--target is {}; give a number above 0", self.target)));
+            return Err(CliError::Usage(format!("--target is {}; give a number above 0", self.target)));
         }
         let formats = self.outputs.iter().map(|path| format(path)).collect::<Result<Vec<_>, _>>()?;
         for path in &self.outputs {

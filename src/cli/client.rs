@@ -355,7 +355,7 @@ fn address(text: &str) -> Result<Url, CliError> {
         let remedy = "write http://HOST:PORT or https://HOST:PORT";
         // What stands before an @ may be a password.
         let shown = text.rsplit('@').next().unwrap_or_default();
-        CliError::Unreachable(format!("\"{shown}\" is not the address of a coordinator; {remedy}"))
+        CliError::Usage(format!("\"{shown}\" is not the address of a coordinator; {remedy}"))
     })
 }
 
@@ -379,7 +379,7 @@ fn job_path(id: &str, rest: &str) -> Result<String, CliError> {
 fn checked_name<'a>(name: &'a str, what: &str) -> Result<&'a str, CliError> {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.".contains(&byte);
     if name.is_empty() || !name.bytes().all(is_plain) || name.contains("..") {
-        return Err(CliError::BadInput(format!("\"{name}\" is not {what} lists them")));
+        return Err(CliError::Usage(format!("\"{name}\" is not {what} lists them")));
     }
     Ok(name)
 }

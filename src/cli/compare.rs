@@ -40,7 +40,7 @@ impl Compare {
         let metrics = compare(&image, &reference, standard_error.as_ref());
         let metrics = metrics.map_err(|error| CliError::BadInput(error.to_string()))?;
         if !(self.full > 0.0 && self.full.is_finite()) {
-            return Err(CliError::BadInput(format!("--full is {}; give a number above 0", self.full)));
+            return Err(CliError::Usage(format!("--full is {}; give a number above 0", self.full)));
         }
         if let Some(path) = &self.difference {
             write_file(path, &encode_png(&signed_difference(&image, &reference, self.full), 0.0)?)?;

@@ -73,7 +73,7 @@ impl Evaluate {
             let rule = ChangeRule { measure: self.measure, level: self.level, tolerance: self.tolerance };
             return comparison::run(old, new, rule);
         }
-        let output = self.output.clone().ok_or_else(|| CliError::failed("name a results file with -o"))?;
+        let output = self.output.clone().ok_or_else(|| CliError::Usage("name a results file with -o".to_owned()))?;
         let plan = self.plan()?;
         let mut file = ResultsFile::open(&output)?;
         cells::run(&plan, &mut file)?;
@@ -85,11 +85,11 @@ impl Evaluate {
     /// Everything that can be wrong is looked at before the first pass.
     fn plan(&self) -> Result<cells::Plan, CliError> {
         if let Some(seconds) = self.seconds.iter().find(|seconds| !(**seconds > 0.0 && seconds.is_finite())) {
-            return Err(CliError::BadInput(format!("--seconds has {seconds}; give numbers above 0")));
+            return Err(CliError::Usage(format!("--seconds has {seconds}; give numbers above 0")));
         }
         if self.scenes.len() > 1 && (self.reference.is_some() || self.stderr.is_some()) {
             let text = "--reference and --stderr belong to one scene; evaluate the others by themselves";
-            return Err(CliError::BadInput(text.to_owned()));
+            return Err(CliError::Usage(text.to_owned()));
         }
         let mut references: Vec<Reference> = Vec::new();
         for scene in &self.scenes {

@@ -14,11 +14,11 @@ pub(super) const EXIT_CODES: &str = "\
 Exit codes:
   0    done
   1    the job failed or was cancelled, or another error
-  2    wrong usage of the command line
-  3    bad scene, method or parameters
-  4    the coordinator cannot be reached
+  2    wrong usage: options that cannot be or do not fit together
+  3    bad scene, method or parameters, or a file with other contents than it should have
+  4    the coordinator cannot be reached, or refuses this worker
   5    a file cannot be read or written
-  6    evaluate --compare: something became worse
+  6    evaluate --compare found something worse
   130  interrupted";
 
 /// Why a command did not do what was asked. The text says what, where and what to do about it.
@@ -27,10 +27,10 @@ pub(super) enum CliError {
     /// The job failed, or anything that has no code of its own.
     #[error("{0}")]
     Failed(String),
-    /// What the command line asks for does not fit together, for example a file name whose end names no format.
+    /// The command line by itself is wrong, whatever scenes and files hold: a value that cannot be, or options that do not fit together.
     #[error("{0}")]
     Usage(String),
-    /// The scene, the method or a parameter is wrong.
+    /// The scene, the method or a parameter is wrong, or what a file holds.
     #[error("{0}")]
     BadInput(String),
     /// No coordinator answers.

@@ -32,7 +32,8 @@ impl From<LocalFarmError> for CliError {
 impl From<WorkerError> for CliError {
     fn from(error: WorkerError) -> Self {
         match error {
-            WorkerError::BadAddress { .. } | WorkerError::Refused(_) => Self::Unreachable(error.to_string()),
+            WorkerError::BadAddress { .. } => Self::Usage(error.to_string()),
+            WorkerError::Refused(_) => Self::Unreachable(error.to_string()),
             WorkerError::Start(_) => Self::failed(error),
         }
     }

@@ -6,7 +6,8 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::exit_code::CliError;
-use super::scene_options::{SceneOptions, scene_help};
+use super::scene_input::scene_help;
+use super::scene_options::SceneOptions;
 use super::terminal;
 use crate::import::native;
 use crate::scene::description::SceneDescription;
@@ -103,7 +104,7 @@ fn write(description: &SceneDescription, output: &Path, format: NativeFormat) ->
                 if path == output {
                     let text =
                         format!("the scene refers to a file that is called \"{name}\" itself; choose another -o");
-                    return Err(CliError::BadInput(text));
+                    return Err(CliError::Usage(text));
                 }
                 copy_beside(&path, content)?;
             }

@@ -1,13 +1,16 @@
 //! What `render` and `submit` are told about a job.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::client::Client;
 use super::exit_code::CliError;
+use super::frames::Frame;
 use super::scene_file::in_users_file;
-use super::scene_options::{SceneOptions, scene_help};
+use super::scene_input::{picture_name, scene_help};
+use super::scene_options::SceneOptions;
 use super::stop_options::StopOptions;
 use super::terminal;
 use crate::api::jobs::JobSubmission;
@@ -38,10 +41,10 @@ pub(super) struct JobOptions {
     #[command(flatten)]
     stop: StopOptions,
     /// Passes of a full-grown shard, 1 to 1024; by default as many as cost one core about a second. Other cuts have other bits.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(Cut::MOST_PASSES)))]
     passes_per_shard: Option<u32>,
     /// Shards of a region between two refreshes of the radii, even, 2 to 4096; 16 by default. More let more workers trace one picture.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = shards_per_epoch)]
     shards_per_epoch: Option<u32>,
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 0)]
@@ -51,7 +54,7 @@ pub(super) struct JobOptions {
     name: Option<String>,
     /// Word to find the job by. May be repeated.
     #[arg(long = "tag", value_name = "WORD")]
-    tags: Vec<String>,
+    pub(super) tags: Vec<String>,
     /// The job's share of the farm beside others, 1 to 1000.
     #[arg(long, default_value = "100", value_parser = priority)]
     priority: Priority,
@@ -62,16 +65,45 @@ pub(super) struct JobOptions {
 impl JobOptions {
     /// Uploads the scene and submits the job, and tells its notices. What is said of the scene names the user's file.
     pub(super) async fn send(&self, client: &Client, scene: Vec<u8>) -> Result<JobStatus, CliError> {
-        let mut submission = self.submission()?;
-        let submitted = async {
-            submission.scene = Some(client.upload_scene(scene).await?);
-            client.submit(&submission).await
-        };
-        let job = submitted.await.map_err(|error| error.about(&self.scene))?;
-        for notice in &job.notices {
-            terminal::note(&format!("note: {}", in_users_file(notice, &self.scene)));
-        }
+        // What is wrong with the other options is told before anything is sent.
+        self.submission()?;
+        let scene = self.upload(client, scene).await?;
+        let job = self.submit(client, &scene, None).await?;
+        self.tell_notices(&job, &mut HashSet::new());
         Ok(job)
+    }
+
+    /// Uploads the scene, and answers its hash.
+    pub(super) async fn upload(&self, client: &Client, scene: Vec<u8>) -> Result<String, CliError> {
+        client.upload_scene(scene).await.map_err(|error| error.about(&self.scene))
+    }
+
+    /// Submits the job of a scene that was uploaded, or one frame of it.
+    pub(super) async fn submit(
+        &self,
+        client: &Client,
+        scene: &str,
+        frame: Option<&Frame>,
+    ) -> Result<JobStatus, CliError> {
+        let mut submission = self.submission()?;
+        submission.scene = Some(scene.to_owned());
+        if let Some(frame) = frame {
+            let name = submission.name.take();
+            let name = name.unwrap_or_else(|| picture_name(&self.scene).to_string_lossy().into_owned());
+            submission.name = Some(frame.name(&name));
+            submission.scene_changes = Some(frame.changes.clone());
+            submission.seed = submission.seed.wrapping_add(frame.seed);
+        }
+        client.submit(&submission).await.map_err(|error| error.about(&self.scene))
+    }
+
+    /// Tells a job's notices, but for those that were told.
+    pub(super) fn tell_notices(&self, job: &JobStatus, told: &mut HashSet<String>) {
+        for notice in &job.notices {
+            if told.insert(notice.clone()) {
+                terminal::note(&format!("note: {}", in_users_file(notice, &self.scene)));
+            }
+        }
     }
 
     /// The request, without its scene.
@@ -125,6 +157,13 @@ pub(super) fn setting(text: &str) -> Result<(String, serde_json::Value), String>
     let (key, value) = define(text)?;
     let value = serde_json::from_str(&value).unwrap_or(serde_json::Value::String(value));
     Ok((key, value))
+}
+
+/// Shards between two refreshes of the radii: both twins have as many.
+fn shards_per_epoch(text: &str) -> Result<u32, String> {
+    let number =
+        text.parse().ok().filter(|shards: &u32| (2..=Cut::MOST_SHARDS).contains(shards) && shards.is_multiple_of(2));
+    number.ok_or_else(|| format!("give an even number from 2 to {}", Cut::MOST_SHARDS))
 }
 
 /// A name and a value with `=` between.

@@ -46,6 +46,7 @@ impl Map {
             })
         };
         let encoders = self.outputs.iter().map(encoder).collect::<Result<Vec<_>, _>>()?;
+        self.check_scale()?;
         for path in &self.outputs {
             check_writable(path)?;
         }
@@ -64,5 +65,19 @@ impl Map {
             write_file(path, &encode(&drawing).map_err(CliError::failed)?)?;
         }
         Ok(())
+    }
+
+    /// Refuses a scale that no picture can have.
+    fn check_scale(&self) -> Result<(), CliError> {
+        let text = match (self.low, self.high) {
+            (Some(low), Some(high)) if low >= high => {
+                format!("the scale would go from {low} to {high}; give --low below --high")
+            }
+            (Some(low), _) if self.log && low <= 0.0 => {
+                format!("a logarithmic scale cannot begin at {low}; give --low above 0, or --linear")
+            }
+            _ => return Ok(()),
+        };
+        Err(CliError::Usage(text))
     }
 }

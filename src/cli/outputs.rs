@@ -7,7 +7,9 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::client::Client;
 use super::exit_code::CliError;
+use super::frames::Frame;
 use super::progress::passes_of;
+use super::scene_input::picture_name;
 use super::terminal;
 use crate::estimate::picture_files::{
     Exposure, JPEG_QUALITY, LAYERS, PictureFormat, PictureOrigin, TONES, ToneCurve, check_writable, read_origin,
@@ -35,7 +37,7 @@ pub(super) struct OutputOptions {
     quality: Option<u8>,
     /// Further layers of EXR files, separated by commas.
     #[arg(long, value_delimiter = ',', value_parser = layer_names())]
-    layers: Vec<String>,
+    pub(super) layers: Vec<String>,
     /// Write colors and directions of EXR files as 16-bit floats; distances, places, counts, errors and what is beyond 65504 stay at 32 bits.
     #[arg(long)]
     half: bool,
@@ -50,7 +52,7 @@ impl OutputOptions {
         let exposure = self.exposure();
         if !exposure.is_possible() {
             let text = format!("exposure is {exposure}; give a number of stops from -64 to 64, or auto");
-            return Err(CliError::BadInput(text));
+            return Err(CliError::Usage(text));
         }
         let formats = self.outputs.iter().map(|path| PictureFormat::of_path(path)).collect::<Result<Vec<_>, _>>()?;
         self.check_formats(&formats)?;
@@ -78,6 +80,16 @@ impl OutputOptions {
         }
     }
 
+    /// The same for a frame of a sequence: its number goes into the files' names.
+    pub(super) fn of_frame(&self, frame: &Frame) -> Self {
+        Self { outputs: self.outputs.iter().map(|path| frame.file(path)).collect(), ..self.clone() }
+    }
+
+    /// What is asked of a coordinator for a frame of a preview.
+    pub(super) fn preview_image(&self) -> String {
+        format!("image.png?{}&bits=8", self.display())
+    }
+
     fn exposure(&self) -> Exposure {
         self.exposure.unwrap_or_default()
     }
@@ -101,9 +113,14 @@ impl OutputOptions {
         Ok(true)
     }
 
-    fn image(&self, path: &Path) -> Result<String, CliError> {
+    /// How pictures to look at are made of radiance.
+    fn display(&self) -> String {
         let tone = self.tone.as_deref().unwrap_or(ToneCurve::Linear.row().name);
-        let display = format!("exposure={}&tone={tone}", self.exposure());
+        format!("exposure={}&tone={tone}", self.exposure())
+    }
+
+    fn image(&self, path: &Path) -> Result<String, CliError> {
+        let display = self.display();
         Ok(match PictureFormat::of_path(path)? {
             PictureFormat::Exr => format!("image.exr?layers={}&half={}", self.layers.join(","), self.half),
             PictureFormat::Png => format!("image.png?{display}&bits={}", self.bits.as_deref().unwrap_or("8")),
@@ -139,20 +156,8 @@ fn tone_names() -> PossibleValuesParser {
     TONES.map(|row| PossibleValue::new(row.name).help(row.meaning)).into()
 }
 
-/// `<name>.exr` and `<name>.png` in the current folder. A scene file that is called `scene` has its folder's name.
+/// `<name>.exr` and `<name>.png` in the current folder.
 pub(super) fn default_outputs(scene: &Path) -> Vec<PathBuf> {
-    let full = std::path::absolute(scene).unwrap_or_else(|_| scene.to_owned());
-    let folder = full.parent().and_then(Path::file_name);
-    let name = match full.file_stem() {
-        Some(stem) if stem == "scene" => folder.unwrap_or(stem),
-        Some(stem) => stem,
-        None => "picture".as_ref(),
-    };
-    ["exr", "png"]
-        .map(|extension| {
-            let mut file = name.to_owned();
-            file.push(format!(".{extension}"));
-            PathBuf::from(file)
-        })
-        .to_vec()
+    let name = picture_name(scene);
+    ["exr", "png"].map(|extension| name.with_added_extension(extension)).to_vec()
 }

@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 
 use super::exit_code::CliError;
 use super::job_options::{parameters, setting};
-use super::scene_options::{SceneOptions, scene_help};
+use super::scene_input::scene_help;
+use super::scene_options::SceneOptions;
 use super::terminal;
 use crate::evaluation::{DEFAULT_ERROR, ProcessStopwatch, Survey, Trial};
 use crate::farm::method_choice::try_methods;
@@ -19,7 +20,9 @@ use crate::scene::prepare::Scene;
 /// Say what a scene needs and which method would render it soonest.
 ///
 /// It finds out by short trials. `render --method auto` does the same and goes on with the best method. Seconds are those until the error is
-/// expected to be there; a job with `--error` goes on until it is sure, and takes two to three times as long.
+/// expected to be there, from the least to the most that the trial leaves open: its error within the bound that its own passes give with
+/// 95 % confidence, and density estimates that get better as slowly as theory says or as fast as all else. A job with `--error` goes on
+/// until it is sure, and takes two to three times as long.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Plan {
     #[arg(help = scene_help())]
@@ -40,7 +43,7 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn run(self) -> Result<(), CliError> {
         if !(self.error > 0.0 && self.error.is_finite()) {
-            return Err(CliError::BadInput(format!("--error is {}; give a relMSE above 0, as 0.01", self.error)));
+            return Err(CliError::Usage(format!("--error is {}; give a relMSE above 0, as 0.01", self.error)));
         }
         let scene = Scene::prepare(&self.options.load(&self.scene)?)?;
         let (needs, size) = (scene.needs(), [scene.width, scene.height]);
@@ -79,8 +82,12 @@ fn told(trial: &Trial, wanted: f64) -> String {
     let name = &trial.label;
     match trial.error {
         Some(error) => format!(
-            "{name:<14}{:>8.1} processor-seconds to relMSE {wanted} (trial: {} passes in {:.2} s, noise {:.4}, bias {:.4})",
-            trial.expected_seconds, trial.passes, trial.seconds, error.noise, error.bias
+            "{name:<14}{:>14} processor-seconds to relMSE {wanted} (trial: {} passes in {:.2} s, noise {:.4}, bias {:.4})",
+            trial.range_told(),
+            trial.passes,
+            trial.seconds,
+            error.noise,
+            error.bias
         ),
         None => format!("{name:<14}saw no light in {} passes", trial.passes),
     }
@@ -95,6 +102,7 @@ fn as_json(needs: &SceneNeeds, [width, height]: [u32; 2], found: &Survey) -> Res
         json!({
             "method": trial.method.choice,
             "expected_seconds": trial.expected_seconds.is_finite().then_some(trial.expected_seconds),
+            "seconds_range": trial.expected_seconds.is_finite().then_some(trial.seconds_range),
             "passes": trial.passes,
             "seconds": trial.seconds,
             "noise": trial.error.map(|error| error.noise),

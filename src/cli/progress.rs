@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
 
+use console::Term;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::terminal;
@@ -12,6 +13,8 @@ use crate::farm::job::{Acceptance, JobState, JobStatus};
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
+/// Columns that the bar takes, with its brackets and the space after it.
+const BAR_COLUMNS: usize = 15;
 
 /// Shows statuses as they come.
 pub(super) struct Progress {
@@ -25,7 +28,7 @@ impl Progress {
     pub(super) fn new() -> Self {
         let is_shown = std::io::stderr().is_terminal() && !terminal::is_quiet();
         let bar = is_shown.then(|| {
-            let style = ProgressStyle::with_template("[{bar:30}] {wide_msg}").map(|style| style.progress_chars("=> "));
+            let style = ProgressStyle::with_template("[{bar:12}] {wide_msg}").map(|style| style.progress_chars("=> "));
             ProgressBar::new(STEPS).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         Self { bar, last_line: None, last_state: None }
@@ -45,7 +48,8 @@ impl Progress {
     pub(super) fn show(&mut self, status: &JobStatus) {
         if let Some(bar) = &self.bar {
             bar.set_position((share_done(status) * STEPS as f64) as u64);
-            bar.set_message(description(status));
+            let columns = usize::from(Term::stderr().size().1).saturating_sub(BAR_COLUMNS);
+            bar.set_message(description(status, columns));
             return;
         }
         // A change of state is said at once, progress now and then.
@@ -53,14 +57,14 @@ impl Progress {
         if state != self.last_state || self.last_line.is_none_or(|last| last.elapsed() >= LINE_INTERVAL) {
             self.last_state = state;
             self.last_line = Some(Instant::now());
-            terminal::note(&description(status));
+            terminal::note(&description(status, usize::MAX));
         }
     }
 
     /// Removes the bar and says how the job ended.
     pub(super) fn finish_with(&self, status: &JobStatus) {
         self.finish();
-        let error = error_bound(status);
+        let error = error_bound(status).map(|error| format!(", {error}")).unwrap_or_default();
         let (state, passes, seconds) = (status.state.name(), status.passes_done, status.seconds);
         terminal::note(&format!("{state}: {}, {seconds:.0} s{error}", passes_of(passes)));
     }
@@ -99,22 +103,34 @@ fn state(status: &JobStatus) -> Option<String> {
     }
 }
 
-fn description(status: &JobStatus) -> String {
+/// How the job is doing, in at most so many columns if the least of it fits.
+fn description(status: &JobStatus, columns: usize) -> String {
     if let Some(state) = state(status) {
         return state;
     }
-    let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
-    let error = error_bound(status);
     let passes = match status.passes_total {
         Some(total) => format!("{} of {}", status.passes_done, passes_of(total)),
         None => passes_of(status.passes_done),
     };
-    format!("{passes}, {}, {:.0} s{left}{error}", rate(status), status.seconds)
+    let left = status.seconds_left.map(|left| format!("{left:.0} s left"));
+    // Each with its rank: where columns are few, the highest numbers give way.
+    let told = [
+        (1, Some(passes)),
+        (0, left),
+        (2, error_bound(status)),
+        (3, Some(format!("{:.0} s so far", status.seconds))),
+        (4, Some(rate(status))),
+    ];
+    let up_to = |rank: i32| {
+        let parts = told.iter().filter(|(own, _)| *own <= rank).filter_map(|(_, part)| part.as_deref());
+        parts.collect::<Vec<_>>().join(", ")
+    };
+    (1..=4).rev().map(up_to).find(|text| text.len() <= columns).unwrap_or_else(|| up_to(1))
 }
 
-/// The bound of the estimated error, with a comma before it; nothing while none is known.
-fn error_bound(status: &JobStatus) -> String {
-    status.estimated_error.map(|error| format!(", relMSE < {:.2e}", error.bound)).unwrap_or_default()
+/// The bound of the estimated error; `None` while none is known.
+fn error_bound(status: &JobStatus) -> Option<String> {
+    status.estimated_error.map(|error| format!("relMSE < {:.2e}", error.bound))
 }
 
 /// Hours, minutes and seconds of a time, in UTC.

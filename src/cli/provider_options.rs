@@ -54,6 +54,6 @@ impl LoginOptions {
             name: self.oidc_name,
             new_users: self.oidc_role,
         };
-        Provider::new(options).map(Some).map_err(|problem| CliError::BadInput(problem.to_string()))
+        Provider::new(options).map(Some).map_err(|problem| CliError::Usage(problem.to_string()))
     }
 }

@@ -1,5 +1,7 @@
 //! `render`: a scene on this machine, by a coordinator and workers in this process.
 
+mod sequence;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -8,14 +10,19 @@ use clap::Args;
 use super::client::Client;
 use super::exit_code::CliError;
 use super::farm_options::{farm_with_api, threads_per_worker};
+use super::frames::FrameOptions;
 use super::job_options::JobOptions;
 use super::outputs::{OutputOptions, default_outputs};
 use super::progress::{Progress, acceptance, passes_of, rate};
+use super::scene_input::picture_name;
+use super::tev::TevOption;
 use super::{signals, terminal, weight_maps};
 use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
+use crate::import::{UNNAMED, load_bytes};
 use crate::method::MethodChoice;
 use crate::scene::Scene;
+use sequence::PreviewOptions;
 
 /// Render a scene on this machine.
 ///
@@ -27,13 +34,19 @@ pub(super) struct Render {
     job: JobOptions,
     #[command(flatten)]
     output: OutputOptions,
+    #[command(flatten)]
+    frames: FrameOptions,
+    #[command(flatten)]
+    preview: PreviewOptions,
+    #[command(flatten)]
+    tev: TevOption,
     /// Also render how the method weighs its strategies: weights per pixel as layers of this file, and a sheet of them beside
     /// it as .png. Each strategy is a job of as many passes as the picture: of --length N, or else those of 2 to 4 segments.
-    #[arg(long, value_name = "FILE.exr")]
+    #[arg(long, value_name = "FILE.exr", conflicts_with = "frames")]
     weight_maps: Option<PathBuf>,
     /// Also tell what a pass spends its processor time on: tracing, density estimates, multiple importance weights. Takes a few
     /// seconds more.
-    #[arg(long)]
+    #[arg(long, conflicts_with = "frames")]
     time_shares: bool,
     /// Workers to start; the picture does not depend on it.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
@@ -50,13 +63,21 @@ impl Render {
         }
         self.output.check()?;
         self.weight_maps.as_deref().map(weight_maps::check).transpose()?;
+        self.preview.check()?;
         let scene = self.job.options.pack(&self.job.scene)?;
+        let frames = self.frames.of(&scene, &self.job.options)?;
         let workers = usize::from(self.workers);
         let threads = threads_per_worker(self.threads.map(usize::from), workers);
         let mut farm = farm_with_api(workers, threads).start().await?;
         let client = Client::new(&farm.url(), None, None)?;
+        let rendered = async {
+            match frames {
+                Some(frames) => self.render_sequence(&client, scene, &frames, workers * threads).await,
+                None => self.render(&client, scene, workers * threads).await,
+            }
+        };
         let result = tokio::select! {
-            result = self.render(&client, scene, workers * threads) => result,
+            result = rendered => result,
             failure = farm.failure() => Err(failure.into()),
         };
         farm.stop().await;
@@ -64,22 +85,31 @@ impl Render {
     }
 
     async fn render(&self, client: &Client, scene: Vec<u8>, threads: usize) -> Result<(), CliError> {
+        let kept = self.time_shares.then(|| scene.clone());
         let job = tokio::select! {
             job = self.job.send(client, scene) => job?,
             interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
         };
         let strategies = self.weight_maps.as_ref().map(|_| weight_maps::strategies(&job)).transpose()?;
         let mut progress = Progress::new();
-        let (status, interrupted) = follow_or_cancel(client, &job.id, &mut progress).await?;
+        let name = picture_name(&self.job.scene).to_string_lossy().into_owned();
+        let viewer = self.tev.show(client, &job.id, name, &self.output.layers);
+        let show = |status: &JobStatus| {
+            progress.show(status);
+            viewer.update(status);
+        };
+        let (status, interrupted) = follow_or_cancel(client, &job.id, show).await?;
         progress.finish();
+        viewer.update(&status);
+        viewer.finish().await?;
         if status.state == JobState::Failed {
             let error = CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()));
             return Err(error.about(&self.job.scene));
         }
         let written = self.output.write(client, &status).await?;
         terminal::note(&rates(&status, threads));
-        if self.time_shares && !interrupted {
-            terminal::note(&self.time_shares_of(&status, threads)?);
+        if let Some(scene) = kept.filter(|_| !interrupted) {
+            terminal::note(&time_shares_of(&status, &scene, threads)?);
         }
         match (interrupted, written) {
             (true, true) => Err(CliError::Interrupted),
@@ -94,31 +124,31 @@ impl Render {
             (false, false) => Err(CliError::Failed("the job ended without a picture; give it more time".to_owned())),
         }
     }
+}
 
-    /// One line on what a pass of the job spends its time on.
-    fn time_shares_of(&self, job: &JobStatus, threads: usize) -> Result<String, CliError> {
-        let scene = Arc::new(Scene::prepare(&self.job.options.load(&self.job.scene)?)?);
-        let choice = MethodChoice { name: job.method.clone(), parameters: job.parameters.clone() };
-        let measure = || time_shares(&scene, &choice, job.seed, &mut ProcessStopwatch::start()?);
-        let TimeShares { pass, density_estimates, weights } =
-            on_threads(threads, measure).and_then(|shares| shares).map_err(CliError::failed)?;
-        let mut text = format!("a pass takes {pass:.3} processor-seconds");
-        let shares = [("density estimates with their weights", density_estimates), ("weights", weights)];
-        for (what, share) in shares {
-            text += &share.map_or(String::new(), |share| format!(", {what} {:.0} %", 100.0 * share));
-        }
-        Ok(text)
+/// One line on what a pass of the job spends its time on.
+fn time_shares_of(job: &JobStatus, scene: &[u8], threads: usize) -> Result<String, CliError> {
+    let scene = Arc::new(Scene::prepare(&load_bytes(UNNAMED, scene, &[])?)?);
+    let choice = MethodChoice { name: job.method.clone(), parameters: job.parameters.clone() };
+    let measure = || time_shares(&scene, &choice, job.seed, &mut ProcessStopwatch::start()?);
+    let TimeShares { pass, density_estimates, weights } =
+        on_threads(threads, measure).and_then(|shares| shares).map_err(CliError::failed)?;
+    let mut text = format!("a pass takes {pass:.3} processor-seconds");
+    let shares = [("density estimates with their weights", density_estimates), ("weights", weights)];
+    for (what, share) in shares {
+        text += &share.map_or(String::new(), |share| format!(", {what} {:.0} %", 100.0 * share));
     }
+    Ok(text)
 }
 
 /// The job's last status, and whether the user stopped it.
 pub(super) async fn follow_or_cancel(
     client: &Client,
     id: &str,
-    progress: &mut Progress,
+    show: impl FnMut(&JobStatus),
 ) -> Result<(JobStatus, bool), CliError> {
     tokio::select! {
-        status = client.follow(id, |status| progress.show(status)) => return Ok((status?, false)),
+        status = client.follow(id, show) => return Ok((status?, false)),
         interrupted = signals::interrupted() => interrupted?,
     }
     signals::end_on_next_interrupt();

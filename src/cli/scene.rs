@@ -11,7 +11,8 @@ use serde_json::json;
 
 use super::exit_code::CliError;
 use super::import::notice_json;
-use super::scene_options::{SceneOptions, scene_help};
+use super::scene_input::scene_help;
+use super::scene_options::SceneOptions;
 use super::terminal;
 use crate::farm::coordinator::request::{ResolvedMethod, resolve_method};
 use crate::farm::job::JobRequest;

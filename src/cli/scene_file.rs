@@ -1,6 +1,5 @@
 //! The scene file as the bytes that are uploaded.
 
-use std::fs::File;
 use std::io::{Cursor, Read, Write};
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use zip::write::SimpleFileOptions;
 use zip::{DateTime, ZipArchive, ZipWriter};
 
 use super::exit_code::CliError;
+use super::scene_input::{SceneInput, name_in_messages};
 use super::terminal;
 use crate::import;
 use crate::import::changes::{Changes, with_changes};
@@ -16,40 +16,36 @@ use crate::scene::bundle::scene_in_comment;
 /// A define of the command line: name and value.
 type Define = (String, String);
 
-/// Fails when the scene file is not there or must not be read, which is no fault of the scene.
-pub(super) fn check_readable(path: &Path) -> Result<(), CliError> {
-    File::open(path).map(drop).map_err(|error| {
-        CliError::File(format!("cannot read \"{}\": {error}; check the name and the permissions", path.display()))
-    })
+/// Reads the scene and everything it refers to, with `defines` written into it and `changes` beside it.
+pub(super) fn pack(argument: &Path, defines: &[Define], changes: &Changes) -> Result<Vec<u8>, CliError> {
+    Ok(with_changes(&pack_defined(argument, defines)?, changes)?)
 }
 
-/// Reads the scene at `path` and everything it refers to, with `defines` written into it and `changes` beside it.
-pub(super) fn pack(path: &Path, defines: &[Define], changes: &Changes) -> Result<Vec<u8>, CliError> {
-    Ok(with_changes(&pack_defined(path, defines)?, changes)?)
-}
-
-fn pack_defined(path: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
-    check_readable(path)?;
+fn pack_defined(argument: &Path, defines: &[Define]) -> Result<Vec<u8>, CliError> {
     // Packing checks the defines as well: each must be used, and JSON scenes take none.
-    let bytes = import::pack(path, defines)?;
+    let bytes = match SceneInput::open(argument)? {
+        SceneInput::File(file) => import::pack(&file, defines)?,
+        SceneInput::Bytes(bytes) => import::pack_read(SceneInput::read_scene(&bytes), defines)?,
+    };
     tell_of_files_above(&bytes);
     if defines.is_empty() {
         return Ok(bytes);
     }
-    let cannot_define =
-        |problem: String| CliError::BadInput(format!("{}: cannot write -D into the scene: {problem}", path.display()));
+    let cannot_define = |problem: String| {
+        CliError::BadInput(format!("{}: cannot write -D into the scene: {problem}", argument.display()))
+    };
     if bytes.starts_with(b"PK") {
         return define_in_archive(bytes, defines).map_err(|error| cannot_define(error.to_string()));
     }
     define_in_xml(&bytes, defines).map_err(|error| cannot_define(error.to_string()))
 }
 
-/// What a farm says of a scene that was packed from the file at `path`, with the file's own name where it names the scene itself.
-pub(super) fn in_users_file(text: &str, path: &Path) -> String {
+/// What a farm says of a scene that was packed from `argument`, with the user's name for it where the text names the scene itself.
+pub(super) fn in_users_file(text: &str, argument: &Path) -> String {
     let rest_after = |name| text.strip_prefix(name).filter(|rest| rest.starts_with([':', ' ']));
     let packed = import::packed_names().find_map(rest_after);
-    match (packed, path.file_name()) {
-        (Some(rest), Some(name)) => format!("{}{rest}", name.to_string_lossy()),
+    match (packed, name_in_messages(argument)) {
+        (Some(rest), Some(name)) => format!("{name}{rest}"),
         _ => text.to_owned(),
     }
 }

@@ -7,14 +7,10 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::job_options::define;
 use super::scene_file;
+use super::scene_input::SceneInput;
 use crate::import::changes::{Changes, Crop, Environment};
-use crate::import::{formats, load_changed};
+use crate::import::{load_changed, load_read};
 use crate::scene::description::SceneDescription;
-
-/// What the scene argument may be.
-pub(super) fn scene_help() -> String {
-    format!("Scene: {}", formats::told())
-}
 
 /// Changes of a scene of any format.
 #[derive(Clone, Debug, Default, Args)]
@@ -34,6 +30,9 @@ pub(super) struct SceneOptions {
     /// Whether a white environment lights the scene [default: where a model has no light of its own].
     #[arg(long, value_name = "on|off", value_parser = environment)]
     environment: Option<Environment>,
+    /// Moment that is shown of a scene in which things move, in the scene's own unit of time [default: where they begin].
+    #[arg(long, value_name = "TIME", value_parser = moment, allow_negative_numbers = true)]
+    time: Option<f64>,
 }
 
 /// The size of a picture, pixels.
@@ -44,15 +43,42 @@ struct Size {
 }
 
 impl SceneOptions {
-    /// Reads the scene at `path` with these changes.
-    pub(super) fn load(&self, path: &Path) -> Result<SceneDescription, CliError> {
-        scene_file::check_readable(path)?;
-        Ok(load_changed(path, &self.defines, &self.changes())?)
+    /// Reads the scene with these changes.
+    pub(super) fn load(&self, argument: &Path) -> Result<SceneDescription, CliError> {
+        self.check_defines()?;
+        let changes = self.changes();
+        Ok(match SceneInput::open(argument)? {
+            SceneInput::File(file) => load_changed(&file, &self.defines, &changes)?,
+            SceneInput::Bytes(bytes) => load_read(SceneInput::read_scene(&bytes), &self.defines, &changes)?,
+        })
     }
 
-    /// The scene at `path` with everything it refers to and these changes, as bytes to upload.
-    pub(super) fn pack(&self, path: &Path) -> Result<Vec<u8>, CliError> {
-        scene_file::pack(path, &self.defines, &self.changes())
+    /// The scene with everything it refers to and these changes, as bytes to upload.
+    pub(super) fn pack(&self, argument: &Path) -> Result<Vec<u8>, CliError> {
+        self.check_defines()?;
+        scene_file::pack(argument, &self.defines, &self.changes())
+    }
+
+    /// Refuses a parameter that is given twice: the last one would win without a word.
+    fn check_defines(&self) -> Result<(), CliError> {
+        let is_repeated = |index: usize| self.defines[..index].iter().any(|(name, _)| *name == self.defines[index].0);
+        match (0..self.defines.len()).find(|index| is_repeated(*index)) {
+            Some(index) => {
+                let name = &self.defines[index].0;
+                Err(CliError::Usage(format!("-D \"{name}\" is given twice; give it once")))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Whether one moment is asked for.
+    pub(super) fn has_time(&self) -> bool {
+        self.time.is_some()
+    }
+
+    /// Whether a camera is asked for.
+    pub(super) fn has_camera(&self) -> bool {
+        self.camera.is_some()
     }
 
     fn changes(&self) -> Changes {
@@ -62,6 +88,8 @@ impl SceneOptions {
             crop: self.crop,
             camera: self.camera.clone(),
             environment: self.environment,
+            time: self.time,
+            between_cameras: None,
         }
     }
 }
@@ -89,6 +117,10 @@ fn crop(text: &str) -> Result<Crop, String> {
         }
         _ => Err("write first column, first row, width and height in pixels, as 100,50,320,240".to_owned()),
     }
+}
+
+fn moment(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|moment: &f64| moment.is_finite()).ok_or_else(|| "give a finite number".to_owned())
 }
 
 fn environment(text: &str) -> Result<Environment, String> {

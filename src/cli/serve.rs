@@ -211,7 +211,7 @@ impl Serve {
         let is_elsewhere = self.store.location()?.is_some_and(|place| place.records.is_shared());
         let database = if is_elsewhere { " and the same --database and --blobs" } else { "" };
         let data = self.store.location()?.map_or_else(|| "DIR".to_owned(), |place| place.folder.display().to_string());
-        Err(CliError::BadInput(format!(
+        Err(CliError::Usage(format!(
             "there are no users, so anyone who reaches {listen} could do everything; make the first one with \
              `photonfarm store add-admin NAME --data {data}`{database}, give --admin-token-file, or start with --insecure"
         )))
@@ -220,11 +220,11 @@ impl Serve {
     fn options(&self) -> Result<CoordinatorOptions, CliError> {
         let mut options = CoordinatorOptions { check_share: self.check_share, ..CoordinatorOptions::default() };
         if !(0.0..=1.0).contains(&self.check_share) {
-            return Err(CliError::BadInput(format!("--check-share is {}; give 0 to 1", self.check_share)));
+            return Err(CliError::Usage(format!("--check-share is {}; give 0 to 1", self.check_share)));
         }
         if let Some(memory) = self.memory {
             if !(memory.is_finite() && memory > 0.0) {
-                return Err(CliError::BadInput(format!("--memory is {memory}; give a number of GiB above 0")));
+                return Err(CliError::Usage(format!("--memory is {memory}; give a number of GiB above 0")));
             }
             options.limits.job_memory = (memory * f64::from(1 << 30)) as u64;
         }
@@ -238,7 +238,7 @@ impl Serve {
         let interval = self.snapshot_interval;
         if !(0.0..=LONGEST_INTERVAL).contains(&interval) {
             let text = format!("--snapshot-interval is {interval}; give 0 to {LONGEST_INTERVAL} seconds");
-            return Err(CliError::BadInput(text));
+            return Err(CliError::Usage(text));
         }
         options.snapshot_interval = Duration::from_secs_f64(interval);
         options.host_names.clone_from(&self.host_names);

@@ -28,7 +28,7 @@ impl StoreOptions {
         if self.data.as_deref().is_some_and(|data| data.as_os_str() == "none") {
             if self.database.is_some() || self.blobs.is_some() {
                 let text = "--data none keeps all in memory; leave --database and --blobs out, or give a folder";
-                return Err(CliError::BadInput(text.to_owned()));
+                return Err(CliError::Usage(text.to_owned()));
             }
             return Ok(None);
         }
@@ -36,20 +36,20 @@ impl StoreOptions {
             Some(folder) => folder,
             None => {
                 let text = "no folder for data is known here; give one with --data, or --data none";
-                return Err(CliError::BadInput(text.to_owned()));
+                return Err(CliError::Usage(text.to_owned()));
             }
         };
         let mut location = StoreLocation::folder(folder);
         if let Some(database) = &self.database {
             if !database.starts_with("postgres://") && !database.starts_with("postgresql://") {
                 let text = "--database is not the address of a PostgreSQL database; write postgres://…";
-                return Err(CliError::BadInput(text.to_owned()));
+                return Err(CliError::Usage(text.to_owned()));
             }
             location.records = RecordsLocation::Postgres(database.clone());
         }
         if let Some(blobs) = &self.blobs {
             if !blobs.starts_with("s3://") {
-                return Err(CliError::BadInput(format!("--blobs is \"{blobs}\"; write s3://BUCKET/PREFIX")));
+                return Err(CliError::Usage(format!("--blobs is \"{blobs}\"; write s3://BUCKET/PREFIX")));
             }
             location.blobs = BlobsLocation::S3(blobs.clone());
         }
@@ -61,7 +61,7 @@ impl StoreOptions {
         let missing = self.location()?.map(|location| location.folder).filter(|folder| !folder.exists());
         if let Some(folder) = missing {
             let text = format!("there is no store in {}; give its folder with --data", folder.display());
-            return Err(CliError::BadInput(text));
+            return Err(CliError::File(text));
         }
         self.open().await
     }

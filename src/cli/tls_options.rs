@@ -47,7 +47,7 @@ impl TlsOptions {
             }
             (None, None) if clients.is_some() => {
                 let text = "--client-authorities needs encrypted connections; add --tls auto, or give a certificate";
-                Err(CliError::BadInput(text.to_owned()))
+                Err(CliError::Usage(text.to_owned()))
             }
             (None, None) => Ok(None),
         }

@@ -51,7 +51,7 @@ impl TrustOptions {
 }
 
 fn unencrypted(address: &str) -> CliError {
-    CliError::BadInput(format!("{address} is not encrypted, but it is said whom to trust; write https://"))
+    CliError::Usage(format!("{address} is not encrypted, but it is said whom to trust; write https://"))
 }
 
 impl From<TlsError> for CliError {

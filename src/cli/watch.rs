@@ -7,6 +7,7 @@ use super::exit_code::CliError;
 use super::progress::Progress;
 use super::signals;
 use super::terminal;
+use super::tev::TevOption;
 use crate::farm::job::{JobState, JobStatus};
 
 /// Follow a job until it ends.
@@ -20,6 +21,8 @@ pub(super) struct Watch {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    tev: TevOption,
+    #[command(flatten)]
     coordinator: CoordinatorOption,
 }
 
@@ -27,7 +30,9 @@ impl Watch {
     pub(super) async fn run(self) -> Result<(), CliError> {
         let client = self.coordinator.client()?;
         let mut progress = Progress::new();
+        let viewer = self.tev.show(&client, &self.id, self.id.clone(), &[]);
         let show = |status: &JobStatus| {
+            viewer.update(status);
             if self.json { print_line(status) } else { progress.show(status) }
         };
         let status = tokio::select! {
@@ -39,6 +44,7 @@ impl Watch {
         } else {
             progress.finish_with(&status)
         }
+        viewer.finish().await?;
         match status.state {
             JobState::Failed => Err(CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()))),
             JobState::Cancelled => Err(CliError::Failed(format!("job {} was cancelled", status.id))),

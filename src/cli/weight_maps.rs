@@ -124,7 +124,7 @@ async fn luminance(
         ..JobSubmission::default()
     };
     let job = client.submit(&submission).await?;
-    let (status, interrupted) = follow_or_cancel(client, &job.id, progress).await?;
+    let (status, interrupted) = follow_or_cancel(client, &job.id, |status| progress.show(status)).await?;
     match (interrupted, status.state) {
         (true, _) => return Err(CliError::Interrupted),
         (false, JobState::Done) => {}

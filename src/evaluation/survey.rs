@@ -13,6 +13,9 @@
 //! | β | the rate with which that falls, by theory |
 //! | x | times as long: s/x + d/x^β = wanted |
 //! | x·t·(pixels/small pixels) | processor-seconds to the wanted error |
+//!
+//! A trial leaves a range open: its error may be as far from what it tells as the bound that goes with it, and what density estimates add
+//! falls at the fastest as 1/time (β = 1). The choice goes by the middle, people are told the range.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -99,6 +102,26 @@ pub struct Trial {
     pub error: Option<ErrorEstimate>,
     /// Processor-seconds in which it would reach the wanted error; infinite when nothing is known.
     pub expected_seconds: f64,
+    /// From how many to how many processor-seconds the trial leaves open.
+    pub seconds_range: [f64; 2],
+}
+
+impl Trial {
+    /// The range in words, as `12 to 31`.
+    pub fn range_told(&self) -> String {
+        let [low, high] = self.seconds_range.map(told_seconds);
+        if low == high { low } else { format!("{low} to {high}") }
+    }
+}
+
+/// Two digits, as far as they are above a hundredth.
+fn told_seconds(seconds: f64) -> String {
+    if !seconds.is_finite() {
+        return "unknown".to_owned();
+    }
+    let digits = (1.0 - seconds.max(f64::MIN_POSITIVE).log10().floor()).clamp(-300.0, 2.0);
+    let step = 10_f64.powf(digits);
+    format!("{:.*}", digits.max(0.0) as usize, (seconds * step).round() / step)
 }
 
 /// What a survey found.
@@ -127,8 +150,10 @@ impl Survey {
         });
         let others = others.collect::<Vec<_>>().join(", ");
         format!(
-            "auto chose {}, which should take {:.0} processor-seconds to relMSE {}; times as long: {others}.",
-            best.label, best.expected_seconds, self.wanted
+            "auto chose {}, which should take {} processor-seconds to relMSE {}; times as long: {others}.",
+            best.label,
+            best.range_told(),
+            self.wanted
         )
     }
 }
@@ -260,6 +285,17 @@ impl Racer {
         self.seconds_at(self.rate, wanted)
     }
 
+    /// From how many to how many seconds that may be. Its passes tell the error with a bound, and few of them do not tell how fast density
+    /// estimates get better: as theory says at the slowest, as 1/time at the fastest.
+    fn seconds_range(&self, wanted: f64) -> [f64; 2] {
+        // The bound is above the error as far as the error may be below.
+        let doubt = self.error.map_or(1.0, |error| (error.bound / (error.noise + error.bias)).max(1.0));
+        // Where the trial is better than wanted, less of it is enough, and slow is soon.
+        let both = |wanted: f64| [self.hoped_seconds(wanted), self.expected_seconds(wanted)];
+        let ([a, b], [c, d]) = (both(wanted * doubt), both(wanted / doubt));
+        [a.min(b), c.max(d)]
+    }
+
     /// The same at the best rate that there is: few passes tell little of what falls how fast.
     fn hoped_seconds(&self, wanted: f64) -> f64 {
         self.seconds_at(1.0, wanted)
@@ -274,9 +310,11 @@ impl Racer {
 
     fn finish(self, wanted: f64, share: f64) -> Trial {
         let expected_seconds = share * self.expected_seconds(wanted);
+        let seconds_range = self.seconds_range(wanted).map(|seconds| share * seconds);
         let Self { candidate, run, method, seconds, error, .. } = self;
         let own = candidate.parameter.map(|[name, value]| (name.to_owned(), value.into())).into_iter().collect();
-        Trial { own, label: candidate.label(), method, passes: run.passes(), seconds, error, expected_seconds }
+        let (label, passes) = (candidate.label(), run.passes());
+        Trial { own, label, method, passes, seconds, error, expected_seconds, seconds_range }
     }
 }
 

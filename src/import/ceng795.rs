@@ -89,6 +89,7 @@ pub(super) fn read(
     let Objects { shapes, made, .. } = objects;
     let root =
         materials.bsdfs.into_iter().chain(shapes).chain(lights).fold(root, |root, draft| root.with_child("", draft));
-    let reading = Reading { root, aliases: Vec::new(), includes: Vec::new(), notices: notices.into_list() };
+    let reading =
+        Reading { root, aliases: Vec::new(), includes: Vec::new(), notices: notices.into_list(), moves: None };
     Ok((reading, made))
 }

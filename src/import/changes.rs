@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::camera_path::{BetweenCameras, stand_between};
 use super::formats::{Format, format, standard_name};
 use super::pack::write_zip;
 use super::{Archive, default_environment, resolve};
@@ -19,7 +20,7 @@ use crate::scene::notice::Notice;
 pub const FILE: &str = "photonfarm.json";
 
 /// Changes of a scene; what is not given stays as the scene says.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Changes {
     /// Width of the whole picture, pixels; alone it keeps the picture's proportions.
@@ -38,6 +39,13 @@ pub struct Changes {
     /// one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub environment: Option<Environment>,
+    /// The moment that is shown of a scene in which things move, in the scene's own unit of time. When nothing is said, everything stands
+    /// where it begins.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f64>,
+    /// A camera between two of the scene's, in place of `camera`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub between_cameras: Option<BetweenCameras>,
 }
 
 /// A part of a picture, pixels.
@@ -81,6 +89,8 @@ impl Changes {
             crop: self.crop.or(others.crop),
             camera: self.camera.or(others.camera),
             environment: self.environment.or(others.environment),
+            time: self.time.or(others.time),
+            between_cameras: self.between_cameras.or(others.between_cameras),
         }
     }
 
@@ -190,15 +200,15 @@ fn add_environment(root: &mut Node, notices: &mut Vec<Notice>) -> Result<(), Sce
     Ok(())
 }
 
-/// Keeps the wanted one of the scene's sensors, or the first.
+/// Keeps the wanted one of the scene's sensors, or the first, or puts one between two.
 ///
 /// # Errors
 /// When no sensor has the wanted id or index.
-pub(super) fn choose_sensor(
-    root: &mut Node,
-    wanted: Option<&str>,
-    notices: &mut Vec<Notice>,
-) -> Result<(), SceneError> {
+pub(super) fn choose_sensor(root: &mut Node, changes: &Changes, notices: &mut Vec<Notice>) -> Result<(), SceneError> {
+    if let Some(way) = &changes.between_cameras {
+        return stand_between(root, way);
+    }
+    let wanted = changes.camera.as_deref();
     let is_sensor = |child: &Child| child.node.class == PluginClass::Sensor;
     let sensors: Vec<Arc<Node>> =
         root.children.iter().filter(|child| is_sensor(child)).map(|child| child.node.clone()).collect();

@@ -15,12 +15,14 @@ pub(super) struct Reading {
     pub includes: Vec<(String, Location)>,
     /// What could not be represented.
     pub notices: Vec<Notice>,
+    /// From which moment to which something moves; `None` where nothing does.
+    pub moves: Option<[f64; 2]>,
 }
 
 impl Reading {
     /// A scene that stands in one file and is represented completely.
     pub(super) fn complete(root: Draft) -> Self {
-        Self { root, aliases: Vec::new(), includes: Vec::new(), notices: Vec::new() }
+        Self { root, aliases: Vec::new(), includes: Vec::new(), notices: Vec::new(), moves: None }
     }
 }
 

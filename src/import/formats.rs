@@ -96,12 +96,16 @@ pub(super) fn standard_names() -> impl Iterator<Item = &'static str> {
 pub fn scene_in_archive<'a>(archive: &[u8], names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
     match scene_in_comment(archive) {
         Some(scene) if names.clone().any(|name| name == scene) => Ok(scene),
-        _ => scene_file(names),
+        _ => scene_file(names).map_err(|what| format!("the archive has {what}")),
     }
 }
 
-/// The scene file among the names in an archive, or why there is none.
-pub(super) fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
+/// The scene file among the names in an archive or a folder: the one with a format's standard name, or else the only one at the top level with one
+/// of the formats' extensions.
+///
+/// # Errors
+/// What there is instead.
+pub fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Result<String, String> {
     let top: Vec<&str> = names.filter(|name| !name.contains('/') && *name != changes::FILE).collect();
     let is_scene = |name: &&str| {
         let extension = name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase());
@@ -112,7 +116,7 @@ pub(super) fn scene_file<'a>(names: impl Iterator<Item = &'a str> + Clone) -> Re
     let candidates = if preferred.is_empty() { top.into_iter().filter(is_scene).collect() } else { preferred };
     match candidates.as_slice() {
         [scene] => Ok((*scene).to_owned()),
-        [] => Err("the archive has no scene file at its top level".to_owned()),
-        several => Err(format!("the archive has several scene files at its top level: {}", several[..2].join(", "))),
+        [] => Err("no scene file at its top level".to_owned()),
+        several => Err(format!("several scene files at its top level: {}", several[..2].join(", "))),
     }
 }

@@ -4,6 +4,7 @@
 //! supported, approximated and refused stands in `docs/SCENES.md`; whatever a scene loses is in its notices.
 
 mod accessor;
+mod animation;
 mod buffers;
 mod camera;
 mod container;
@@ -33,6 +34,7 @@ use crate::scene::bundle::{Bundle, Generated, without_byte_order_mark};
 use crate::scene::description::{PluginClass, SceneDescription};
 use crate::scene::error::{Location, SceneError};
 use crate::scene::notice::Notice;
+use animation::Poses;
 use buffers::{Budget, Buffers};
 use entry::Document;
 use material::Materials;
@@ -47,6 +49,8 @@ const GENERATED_FOLDER: &str = "generated/";
 pub(super) struct Wishes<'a> {
     /// The name or index of the camera; else the first.
     pub camera: Option<&'a str>,
+    /// The moment that is shown, seconds.
+    pub moment: Option<f64>,
     /// Whether a scene that is dark gets a white environment.
     pub default_environment: bool,
 }
@@ -104,12 +108,13 @@ pub(super) fn read(
     let mut includes = Vec::new();
     let buffers = Buffers::load(&document, bundle, binary, &mut output.budget, &mut includes)?;
     let input = Input { document: &document, buffers: &buffers, bundle };
-    let (mut root, emits) = scene(&input, wishes.camera, &mut output)?;
+    let poses = Poses::read(&input, wishes.moment, &mut output)?;
+    let (mut root, emits) = scene(&input, wishes.camera, &poses, &mut output)?;
     if wishes.default_environment {
         root = lit(root, emits, bundle, &mut output);
     }
     let Output { made, notices, .. } = output;
-    Ok((Reading { root, aliases: Vec::new(), includes, notices: notices.into_list() }, made))
+    Ok((Reading { root, aliases: Vec::new(), includes, notices: notices.into_list(), moves: poses.span }, made))
 }
 
 fn check_version(document: &Document) -> Result<(), SceneError> {
@@ -124,15 +129,16 @@ fn check_version(document: &Document) -> Result<(), SceneError> {
 }
 
 /// The scene without a default environment, and whether anything in it emits.
-fn scene(input: &Input<'_>, camera: Option<&str>, output: &mut Output) -> Result<(Draft, bool), SceneError> {
+fn scene(
+    input: &Input<'_>,
+    camera: Option<&str>,
+    poses: &Poses,
+    output: &mut Output,
+) -> Result<(Draft, bool), SceneError> {
     let file = input.document.root();
     extensions::report_unread(&file, output)?;
-    if input.document.count("animations") > 0 {
-        let explanation = "every node stands where it rests";
-        output.notices.add(Notice::ignored(&file.location(), "the animations", explanation));
-    }
     let mut materials = Materials::default();
-    let contents = nodes::read(input, &mut materials, output)?;
+    let contents = nodes::read(input, poses, &mut materials, output)?;
     let location = file.location();
     let files = input.bundle.clone().with_generated(output.made.clone());
     let emits = contents.emits(&files);
@@ -164,6 +170,6 @@ fn lit(root: Draft, emits: bool, bundle: &Bundle, output: &mut Output) -> Draft 
 fn leaves_dark(root: &Draft, bundle: &Bundle, output: &Output) -> bool {
     let Ok(root) = resolve(root, &[]) else { return false };
     let bundle = bundle.clone().with_generated(output.made.clone());
-    let description = SceneDescription { root, bundle, notices: Vec::new() };
+    let description = SceneDescription { root, bundle, notices: Vec::new(), moves: None };
     Scene::prepare(&description).is_ok_and(|scene| default_environment::is_dark(&scene))
 }

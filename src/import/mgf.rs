@@ -92,7 +92,7 @@ pub(super) fn read(
     }
     let (scene, made, bounds, mut notices) = stage.finish(location);
     let root = view::with_camera(scene, bounds, bundle, &made, &mut notices);
-    Ok((Reading { root, aliases: Vec::new(), includes, notices }, made))
+    Ok((Reading { root, aliases: Vec::new(), includes, notices, moves: None }, made))
 }
 
 /// A transform that is in effect, with those round it.

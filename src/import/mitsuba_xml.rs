@@ -1,6 +1,8 @@
 //! Mitsuba scenes in XML: those of Mitsuba 3, and with [`mitsuba_old`] those of Mitsuba 0.6 and before.
 
+mod animation;
 mod files;
+mod spectral;
 
 use std::collections::BTreeMap;
 
@@ -9,6 +11,7 @@ use roxmltree::Node;
 
 use super::draft::{Alias, Draft, DraftChild, Reading, Target};
 use super::mitsuba_old::{self, Old, Version};
+use super::motion::Motion;
 use super::spectra::{self, Purpose};
 use super::substitution::Parameters;
 use super::values::{self, Refusal, shown};
@@ -26,6 +29,7 @@ pub(super) fn read(
     location: &Location,
     bundle: &Bundle,
     defines: &[(String, String)],
+    moment: Option<f64>,
 ) -> Result<Reading, SceneError> {
     let parameters = Parameters::new(defines);
     let mut reader = Reader {
@@ -36,6 +40,7 @@ pub(super) fn read(
         open: Vec::new(),
         search_folders: Vec::new(),
         notices: Vec::new(),
+        motion: Motion::at(moment),
         version: Version(3, 0),
         old: Old::default(),
     };
@@ -53,8 +58,8 @@ pub(super) fn read(
     reader.contents(&file, root, 0, &mut scope)?;
     reader.parameters.check_all_used(&scope.draft.location)?;
     reader.look_up_files(&mut scope.draft);
-    let Reader { aliases, includes, notices, version, old, .. } = reader;
-    let reading = Reading { root: scope.draft, aliases, includes, notices };
+    let Reader { aliases, includes, notices, motion, version, old, .. } = reader;
+    let reading = Reading { root: scope.draft, aliases, includes, notices, moves: motion.span };
     if version.is_old() { mitsuba_old::translate(reading, version, old, bundle) } else { Ok(reading) }
 }
 
@@ -94,6 +99,7 @@ pub(super) struct Reader<'a> {
     /// The folders of `<path>`, relative to the scene's: the last one is searched first, and the scene's own at the end.
     search_folders: Vec<String>,
     pub(super) notices: Vec<Notice>,
+    motion: Motion,
     /// The scene file's.
     version: Version,
     /// What reading leaves to the translation of an old scene.
@@ -196,6 +202,7 @@ impl Reader<'_> {
             Some(class) => self.plugin(file, element, depth, class, scope),
             None if old && mitsuba_old::COLOR_TAGS.contains(&tag) => self.old_child(file, element, scope),
             None if tag == "transform" => self.transform(file, element, scope),
+            None if tag == "animation" => self.animation(file, element, scope),
             None if VALUE_TAGS.contains(&tag) => self.value(file, element, depth, scope),
             None if OTHER_TAGS.contains(&tag) => self.other(file, element, depth, scope),
             None if old && !STEP_TAGS.contains(&tag) => self.old_child(file, element, scope),
@@ -260,44 +267,6 @@ impl Reader<'_> {
         };
         let value = value.map_err(|refusal| refused(&place, tag, refusal))?;
         scope.draft.parameters.push(Parameter { name: attributes.text("name").to_owned(), value, location: place });
-        Ok(())
-    }
-
-    /// A `<spectrum>` of a file, or a plugin.
-    fn spectrum(
-        &mut self,
-        file: &File<'_>,
-        element: Node<'_, '_>,
-        depth: usize,
-        scope: &mut Scope,
-    ) -> Result<(), SceneError> {
-        if element.has_attribute("type") {
-            return self.plugin(file, element, depth, PluginClass::Texture, scope);
-        }
-        let path = parameter_path(element, scope);
-        let location = file.place(element, path.as_str());
-        let attributes = self.attributes(file, element, &path, &["name", "filename"], &[])?;
-        self.refuse_contents(file, element, &path)?;
-        let (name, spectrum) = (attributes.text("name"), self.looked_up(attributes.text("filename")));
-        self.register_file(&spectrum, &location)?;
-        let content = self.bundle.read(&spectrum, &location)?;
-        let value = spectra::file(&content, Purpose::of(scope.draft.class, name));
-        let value = value.map_err(|refusal| refused(&location, "spectrum", refusal))?;
-        scope.draft.parameters.push(Parameter { name: name.to_owned(), value, location });
-        Ok(())
-    }
-
-    /// A spectrum that is written as a plugin: the color in its place, or a texture of that where others may refer to it.
-    fn spectral_plugin(&mut self, name: &str, draft: Draft, parent: &mut Scope) -> Result<(), SceneError> {
-        let rgb = spectra::of_plugin(&draft, Purpose::of(parent.draft.class, name))?;
-        let location = draft.location.clone();
-        if draft.id.is_empty() && parent.draft.class != PluginClass::Scene && !spectra::stays_texture(&parent.draft) {
-            parent.draft.parameters.push(Parameter { name: name.to_owned(), value: Value::Rgb(rgb), location });
-            return Ok(());
-        }
-        let mut texture = Draft::new(PluginClass::Texture, "rawconstant", &location).with_rgb("value", rgb);
-        texture.id = draft.id;
-        parent.draft.children.push(DraftChild { name: name.to_owned(), target: Target::Plugin(texture), location });
         Ok(())
     }
 

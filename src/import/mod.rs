@@ -6,6 +6,7 @@
 //! and [`report`] is what an import could not represent.
 
 mod batch;
+pub mod camera_path;
 mod ceng795;
 pub mod changes;
 pub mod compatibility;
@@ -20,6 +21,7 @@ mod mitsuba_json;
 mod mitsuba_old;
 pub mod mitsuba_plugins;
 mod mitsuba_xml;
+mod motion;
 pub mod native;
 mod notices;
 mod pack;
@@ -40,12 +42,13 @@ use std::sync::Arc;
 use crate::scene::bundle::{Bundle, read_file};
 use crate::scene::description::{Node, SceneDescription, Value};
 use crate::scene::error::{Location, SceneError};
+use crate::scene::notice::Notice;
 use changes::Changes;
 use draft::Reading;
-pub use formats::scene_in_archive;
 use formats::{Format, format};
+pub use formats::{scene_file, scene_in_archive};
 
-pub use pack::{UNNAMED, pack, packed_names};
+pub use pack::{UNNAMED, pack, pack_read, packed_names};
 
 /// How deep plugins and values may nest, and how long a chain of references may be.
 const DEPTH_LIMIT: usize = 64;
@@ -114,15 +117,25 @@ impl Source {
         Ok(Self { name: name.to_owned(), text, bundle: bundle.seen_from(folder), changes })
     }
 
+    /// A scene file of `folder`, or an archive, which has all its files inside.
+    fn read_in(folder: &Path, name: &str, bytes: Arc<[u8]>) -> Result<Self, SceneError> {
+        let location = Location { file: name.to_owned(), ..Location::default() };
+        if format(&bytes, &location)? == Format::Zip {
+            return Self::from_bytes(name, bytes);
+        }
+        let bundle = Bundle::Folder(folder.to_owned());
+        Ok(Self { name: name.to_owned(), text: bytes, bundle, changes: Changes::default() })
+    }
+
     fn import(&self, defines: &[(String, String)]) -> Result<Imported, SceneError> {
         let location = Location { file: self.name.clone(), ..Location::default() };
         substitution::refuse_repeated(defines, &location)?;
         let mut bundle = self.bundle.clone();
-        let Changes { camera, environment, .. } = &self.changes;
+        let Changes { camera, environment, time, .. } = &self.changes;
         let camera = camera.as_deref();
         let found = format(&self.text, &location)?;
         let reading = match found {
-            Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines)?,
+            Format::Xml => mitsuba_xml::read(&self.text, &location, &self.bundle, defines, *time)?,
             Format::Ceng795 => {
                 let (reading, generated) = ceng795::read(&self.text, &location, defines, camera)?;
                 bundle = bundle.with_generated(generated);
@@ -130,7 +143,7 @@ impl Source {
             }
             Format::Json => Reading::complete(mitsuba_json::read(&self.text, &location, defines)?),
             Format::Gltf | Format::Glb => {
-                let wishes = gltf::Wishes { camera, default_environment: environment.is_none() };
+                let wishes = gltf::Wishes { camera, moment: *time, default_environment: environment.is_none() };
                 let (reading, generated) = gltf::read(&self.text, &location, &self.bundle, defines, &wishes)?;
                 bundle = bundle.with_generated(generated);
                 reading
@@ -141,7 +154,7 @@ impl Source {
                 reading
             }
             Format::Pbrt => {
-                let (reading, generated) = pbrt::read(&self.text, &location, &self.bundle, defines)?;
+                let (reading, generated) = pbrt::read(&self.text, &location, &self.bundle, defines, *time)?;
                 bundle = bundle.with_generated(generated);
                 reading
             }
@@ -149,7 +162,7 @@ impl Source {
                 return Err(SceneError::new(&location, "an archive inside an archive", "pack the scene file"));
             }
         };
-        let Reading { mut root, aliases, includes: mut files, mut notices } = reading;
+        let Reading { mut root, aliases, includes: mut files, mut notices, moves } = reading;
         if !matches!(found, Format::Xml | Format::Json) {
             root.state_plain_defaults();
         }
@@ -157,13 +170,45 @@ impl Source {
         batch::unfold(&mut root, &mut notices)?;
         // The others choose while they read.
         if !matches!(found, Format::Gltf | Format::Glb | Format::Ceng795) {
-            changes::choose_sensor(&mut root, camera, &mut notices)?;
+            changes::choose_sensor(&mut root, &self.changes, &mut notices)?;
+        } else if let Some(way) = &self.changes.between_cameras {
+            let problem = format!("there is no way from camera {:?} to another in scenes of this format", way.from);
+            return Err(SceneError::new(&location, problem, "leave it out; scenes of Mitsuba have such ways"));
+        }
+        if let (Some(time), None) = (time, moves) {
+            let subject = format!("the moment {time}");
+            notices.push(Notice::ignored(&location, subject, "nothing in the scene moves"));
         }
         self.changes.apply(&mut root, &mut notices)?;
         collect_file_names(&root, &mut HashSet::new(), &mut files);
         files.retain(|(name, _)| bundle.generated().is_none_or(|generated| !generated.contains(name)));
-        Ok(Imported { description: SceneDescription { root, bundle, notices }, files })
+        Ok(Imported { description: SceneDescription { root, bundle, notices, moves }, files })
     }
+}
+
+/// [`load_changed`] of a scene that was read already; files that it refers to are looked up in `folder`.
+///
+/// # Errors
+/// As [`load_changed`].
+pub fn load_read(
+    scene: ReadScene<'_>,
+    defines: &[(String, String)],
+    changes: &Changes,
+) -> Result<SceneDescription, SceneError> {
+    let mut source = Source::read_in(scene.folder, scene.name, scene.bytes.into())?;
+    source.changes = changes.clone().over(source.changes);
+    source.import(defines).map(|imported| imported.description)
+}
+
+/// A scene that was read already, for example from standard input.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadScene<'a> {
+    /// What errors call it.
+    pub name: &'a str,
+    /// Its text, or a zip archive.
+    pub bytes: &'a [u8],
+    /// Where files are looked up that it refers to.
+    pub folder: &'a Path,
 }
 
 fn read_source(path: &Path) -> Result<Source, SceneError> {
@@ -176,14 +221,12 @@ fn read_source(path: &Path) -> Result<Source, SceneError> {
     let bytes = read_file(path)
         .map_err(|error| SceneError::new(&location, format!("the file cannot be read: {error}"), ""))?
         .ok_or_else(|| SceneError::new(&location, "the file is larger than 1 GiB", "split it"))?;
-    if format(&bytes, &location)? == Format::Zip {
-        return Source::from_bytes(&name, bytes);
-    }
+    format(&bytes, &location)?;
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    Ok(Source { name, text: bytes, bundle: Bundle::Folder(folder.to_owned()), changes: Changes::default() })
+    Source::read_in(folder, &name, bytes)
 }
 
 /// An archive that was unpacked, with the name of its scene file.

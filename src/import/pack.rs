@@ -9,7 +9,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
 use super::formats::{format, scene_file, standard_name, standard_names};
-use super::{Source, read_source};
+use super::{ReadScene, Source, read_source};
 use crate::scene::bundle::{Bundle, Files, SCENE_COMMENT, normalized_name, steps_up, without_common_folder};
 use crate::scene::error::{Location, SceneError};
 
@@ -24,28 +24,49 @@ use crate::scene::error::{Location, SceneError};
 /// As [`super::load_file`]; when a file is missing; when the scene's file name would be ambiguous in the archive.
 pub fn pack(path: &Path, defines: &[(String, String)]) -> Result<Vec<u8>, SceneError> {
     let source = read_source(path)?;
+    let original = || {
+        std::fs::read(path).map_err(|error| {
+            let location = Location { file: path.display().to_string(), ..Location::default() };
+            SceneError::new(&location, format!("the file cannot be read: {error}"), "")
+        })
+    };
+    pack_source(&source, defines, original)
+}
+
+/// [`pack`] of a scene that was read already.
+///
+/// # Errors
+/// As [`pack`].
+pub fn pack_read(scene: ReadScene<'_>, defines: &[(String, String)]) -> Result<Vec<u8>, SceneError> {
+    let source = Source::read_in(scene.folder, scene.name, scene.bytes.into())?;
+    pack_source(&source, defines, || Ok(scene.bytes.to_vec()))
+}
+
+/// `original` gives the bytes of a source that is an archive.
+fn pack_source(
+    source: &Source,
+    defines: &[(String, String)],
+    original: impl FnOnce() -> Result<Vec<u8>, SceneError>,
+) -> Result<Vec<u8>, SceneError> {
     let imported = source.import(defines)?;
     let mut files = BTreeMap::new();
     for (name, location) in &imported.files {
         files.insert(normalized_name(name, location)?, source.bundle.read(name, location)?);
     }
-    if let Bundle::Archive(_) = source.bundle {
+    let Bundle::Folder(folder) = &source.bundle else {
         // An archive is what was asked for already, and all that it refers to is inside.
-        return std::fs::read(path).map_err(|error| {
-            let location = Location { file: path.display().to_string(), ..Location::default() };
-            SceneError::new(&location, format!("the file cannot be read: {error}"), "")
-        });
-    }
+        return original();
+    };
     if files.is_empty() {
         return Ok(source.text.to_vec());
     }
     let location = Location { file: source.name.clone(), ..Location::default() };
     let (files, comment) = match files.keys().map(|name| steps_up(name).0).max() {
         Some(0) | None => {
-            files.insert(name_in_archive(&source, &files, &location)?, source.text.clone());
+            files.insert(name_in_archive(source, &files, &location)?, source.text.clone());
             (files, String::new())
         }
-        Some(above) => from_above(&source, files, above, path, &location)?,
+        Some(above) => from_above(source, files, above, folder, &location)?,
     };
     write_zip(&files, &comment)
         .map_err(|error| SceneError::new(&location, format!("the scene cannot be packed: {error}"), "pack it by hand"))
@@ -56,13 +77,13 @@ fn from_above(
     source: &Source,
     files: Files,
     above: usize,
-    path: &Path,
+    folder: &Path,
     location: &Location,
 ) -> Result<(Files, String), SceneError> {
-    let whole = path.canonicalize().map_err(|error| {
+    let whole = folder.canonicalize().map_err(|error| {
         SceneError::new(location, format!("the scene's folder cannot be read: {error}"), "check its permissions")
     })?;
-    let parents = whole.parent().map(|folder| folder.components()).into_iter().flatten().rev().take(above);
+    let parents = whole.components().rev().take(above);
     let mut folders: Vec<String> =
         parents.map(|part| part.as_os_str().to_string_lossy().into_owned()).filter(|part| part != "/").collect();
     folders.reverse();

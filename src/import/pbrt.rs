@@ -74,15 +74,16 @@ pub(super) fn read(
     location: &Location,
     bundle: &Bundle,
     defines: &[(String, String)],
+    moment: Option<f64>,
 ) -> Result<(Reading, Generated), SceneError> {
     refuse_defines(defines, location, "a pbrt scene has no parameters: write the value into it")?;
-    let mut reader = Reader::new(bundle);
+    let mut reader = Reader::new(bundle, moment);
     reader.follow_text(bytes, location)?;
     if reader.attributes.depth() > 0 {
         let problem = "the file ends before an AttributeBegin, TransformBegin or ObjectBegin does";
         return Err(SceneError::new(location, problem, "make sure that the file is complete"));
     }
-    let Reader { mut output, options, objects, media, .. } = reader;
+    let Reader { mut output, options, objects, media, attributes, .. } = reader;
     let plugins = options.plugins(location, media.used, &mut output)?;
     for (_, Object { id, location, shapes }) in objects {
         let group = Draft { id, ..Draft::new(PluginClass::Shape, "shapegroup", &location) };
@@ -96,17 +97,20 @@ pub(super) fn read(
     let children = plugins.into_iter().chain(output.plugins);
     let root = children.fold(scene, |scene, plugin| scene.with_child("", plugin));
     let (includes, notices) = (output.includes, output.notices.into_list());
-    Ok((Reading { root, aliases: Vec::new(), includes, notices }, output.made))
+    let moves = attributes.moves.then_some(attributes.times);
+    Ok((Reading { root, aliases: Vec::new(), includes, notices, moves }, output.made))
 }
 
 struct Reader<'a> {
     output: Output<'a>,
     options: Options,
     attributes: Attributes,
+    /// Whether no moment of a motion was asked for.
+    is_still: bool,
     textures: Textures,
     materials: HashMap<String, Material>,
     media: Media,
-    systems: HashMap<String, DMat4>,
+    systems: HashMap<String, [DMat4; 2]>,
     objects: BTreeMap<String, Object>,
     /// The object that is being made.
     object: Option<String>,
@@ -118,11 +122,12 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(bundle: &'a Bundle) -> Self {
+    fn new(bundle: &'a Bundle, moment: Option<f64>) -> Self {
         Self {
             output: Output::new(bundle),
             options: Options::default(),
-            attributes: Attributes::default(),
+            attributes: Attributes::new(moment),
+            is_still: moment.is_none(),
             textures: Textures::default(),
             materials: HashMap::new(),
             media: Media::default(),
@@ -166,15 +171,15 @@ impl<'a> Reader<'a> {
         match directive {
             "WorldBegin" => {
                 self.in_world = true;
-                self.attributes.set_transform(DMat4::IDENTITY);
-                self.systems.insert("world".to_owned(), DMat4::IDENTITY);
+                self.attributes.begin_world();
+                self.systems.insert("world".to_owned(), [DMat4::IDENTITY; 2]);
                 Ok(())
             }
             "Include" | "Import" => self.include(directive, tokens, &place),
             "CoordinateSystem" => {
                 let name = string(tokens, &place)?;
                 self.check_names(self.systems.len(), &place)?;
-                self.systems.insert(name, self.attributes.transform());
+                self.systems.insert(name, self.attributes.transforms());
                 Ok(())
             }
             "CoordSysTransform" => {
@@ -182,15 +187,19 @@ impl<'a> Reader<'a> {
                 let system = self.systems.get(&name).copied();
                 // pbrt warns and goes on, which moves what follows.
                 let unknown = || SceneError::new(&place, format!("there is no coordinate system {}", shown(&name)), "");
-                self.attributes.set_transform(system.ok_or_else(unknown)?);
+                self.attributes.set_transforms(system.ok_or_else(unknown)?);
                 Ok(())
             }
             "TransformTimes" => {
-                for _ in 0..2 {
-                    tokens.next()?;
+                self.attributes.times = attributes::numbers(tokens, &place)?;
+                if self.attributes.times[0] >= self.attributes.times[1] {
+                    return Err(SceneError::new(&place, "the motion ends before it starts", "write start and end"));
                 }
-                let instead = "everything stands where it is at the first";
-                self.output.approximated(&place, "the motion between two keyframes", instead);
+                if self.is_still {
+                    let instead =
+                        "everything stands where it is at the first; --time shows a moment between, --frames all";
+                    self.output.approximated(&place, "the motion between two keyframes", instead);
+                }
                 Ok(())
             }
             "Camera" | "Film" | "PixelFilter" | "Integrator" => self.option(directive, tokens, place),
@@ -276,14 +285,15 @@ impl<'a> Reader<'a> {
         if self.in_world {
             return Err(SceneError::new(&parameters.place, "it stands after WorldBegin", "move it before WorldBegin"));
         }
-        let transform = self.attributes.transform();
+        let transforms = self.attributes.transforms();
         let option = Some(Directive { name, parameters });
         match directive {
             "Film" => self.options.film = option,
             "PixelFilter" => self.options.filter = option,
             "Integrator" => self.options.integrator = option,
             _ => {
-                self.systems.insert("camera".to_owned(), inverse(transform));
+                self.systems.insert("camera".to_owned(), transforms.map(inverse));
+                let transform = self.attributes.camera_transform();
                 self.options.camera = option.map(|camera| (camera, transform));
                 self.options.camera_medium = self.attributes.current.media[1].clone();
             }

@@ -10,15 +10,9 @@ pub(super) const VALUE_TAGS: [&str; 9] =
 pub(super) const OTHER_TAGS: [&str; 5] = ["ref", "default", "include", "alias", "path"];
 /// The steps of a transform.
 pub(super) const STEP_TAGS: [&str; 5] = ["translate", "rotate", "scale", "lookat", "matrix"];
-/// Tags of Mitsuba that mean something photonfarm cannot do.
-const UNSUPPORTED_TAGS: [&str; 1] = ["animation"];
-
 /// Says that a tag cannot be read.
 pub(super) fn unknown_tag(place: &Location, tag: &str) -> SceneError {
     let shown_tag: String = tag.chars().take(60).collect();
-    if UNSUPPORTED_TAGS.contains(&tag) {
-        return SceneError::new(place, format!("<{shown_tag}> is not supported"), "remove it");
-    }
     if STEP_TAGS.contains(&tag) {
         let problem = format!("<{shown_tag}> stands outside of a transform");
         return SceneError::new(place, problem, "put it into <transform name=\"to_world\">");

@@ -141,4 +141,6 @@ pub struct SceneDescription {
     pub bundle: Bundle,
     /// What the import approximated or ignored.
     pub notices: Vec<Notice>,
+    /// From which moment to which something moves, in the scene's own unit of time; `None` where nothing does.
+    pub moves: Option<[f64; 2]>,
 }

@@ -75,3 +75,52 @@ async fn jobs_are_copied_changed_found_and_deleted() {
     printed(&url, &["rm", &copy]);
     assert_eq!(names(&url, &["jobs"]), ["first", "first"]);
 }
+
+#[tokio::test(flavor = "multi_thread")]
+async fn standard_input_is_submitted_as_the_file_is() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let coordinator = Coordinator::start(folder.path(), 0).await;
+    let url = coordinator.url();
+    let file = "tests/references/furnace-closed/scene.xml";
+    let input = std::fs::File::open(file).expect("a scene");
+    let fed = program(&["submit", "-"]).env("PHOTONFARM_URL", &url).stdin(input).output().expect("it starts");
+    let from_input = String::from_utf8(fed.stdout).expect("UTF-8");
+    let mut scenes = vec![coordinator.job(from_input.trim()).await["scene"].clone()];
+    for argument in [file, "tests/references/furnace-closed"] {
+        scenes.push(coordinator.job(&printed(&url, &["submit", argument])).await["scene"].clone());
+    }
+    assert!(scenes.iter().all(|scene| *scene == scenes[0] && scene.is_string()), "{scenes:?}");
+}
+
+/// A lamp on its way.
+const LAMP: &str = "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film type='hdrfilm'>
+    <integer name='width' value='8'/><integer name='height' value='8'/></film></sensor><shape type='sphere'><emitter type='area'/>
+    <animation name='to_world'><transform time='0'><translate z='4'/></transform><transform time='1'><translate z='8'/></transform>
+    </animation></shape></scene>";
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_sequence_becomes_jobs_that_share_a_tag() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let coordinator = Coordinator::start(folder.path(), 1).await;
+    let url = coordinator.url();
+    let scene = folder.path().join("lamp.xml");
+    std::fs::write(&scene, LAMP).expect("writes");
+    let submit =
+        ["submit", command_line::text(&scene), "--frames", "1-3", "--passes", "2", "--seed", "5", "--tag", "night"];
+    let ids: Vec<String> = printed(&url, &submit).lines().map(str::to_owned).collect();
+    assert_eq!(ids.len(), 3, "{ids:?}");
+    let tag = format!("sequence-{}", ids[0]);
+    assert_eq!(names(&url, &["jobs", "--tag", &tag]), ["lamp.0001", "lamp.0002", "lamp.0003"]);
+    let mut scenes = Vec::new();
+    for (index, id) in ids.iter().enumerate() {
+        let job = coordinator.job(id).await;
+        assert_eq!((&job["seed"], &job["tags"]), (&json!(6 + index), &json!(["night", tag])), "{job}");
+        scenes.push(job["scene"].to_string());
+        printed(&url, &["watch", id]);
+    }
+    // Each is the scene at another moment; the scene itself was sent once and is there, too.
+    scenes.sort();
+    scenes.dedup();
+    let listed: Vec<Value> = serde_json::from_str(&printed(&url, &["scenes", "--json"])).expect("JSON");
+    assert_eq!((scenes.len(), listed.len()), (3, 4));
+}

@@ -65,12 +65,14 @@ fn maps_that_cannot_be_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let [image, png] = ["image.exr", "map.png"].map(|name| folder.path().join(name));
     write_picture(&image);
-    let map = |options: &[&str]| failure(&[["map", text(&image), "-o", text(&png)].as_slice(), options].concat(), 3);
+    let failed =
+        |options: &[&str], code| failure(&[["map", text(&image), "-o", text(&png)].as_slice(), options].concat(), code);
+    let map = |options: &[&str]| failed(options, 3);
     let unknown = map(&["--layer", "raduis"]);
     assert!(unknown.contains("luminance, depth, normal.X, normal.Z, radius"), "{unknown}");
     assert!(map(&["--layer", "normal"]).contains("normal.X"));
-    assert!(map(&["--low", "3", "--high", "2"]).contains("from 3 to 2"));
-    assert!(map(&["--log", "--low", "0"]).contains("above 0"));
+    assert!(failed(&["--low", "3", "--high", "2"], 2).contains("from 3 to 2"));
+    assert!(failed(&["--log", "--low", "0"], 2).contains("above 0"));
     assert!(map(&["--layer", "normal.X", "--log"]).contains("no pixel has a value above 0"));
     assert!(!png.exists());
     assert!(failure(&["map", text(&image), "-o", "a.jpg"], 2).contains(".svg or .png"));

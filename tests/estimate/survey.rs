@@ -34,6 +34,8 @@ fn slow_machines_get_a_plan_too() {
         for trial in &found.trials {
             let seconds = trial.expected_seconds;
             assert!(seconds.is_finite() && seconds > 0.0, "{} in {seconds} s", trial.method.choice.name);
+            let [low, high] = trial.seconds_range;
+            assert!(0.0 < low && low < seconds && seconds < high, "{low} to {seconds} to {high} s");
         }
         assert!(found.trials.is_sorted_by_key(|trial| trial.expected_seconds));
     }

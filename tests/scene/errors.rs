@@ -22,7 +22,7 @@ fn malformed_xml() {
     let cases = [
         ("unclosed tag", "<shape type='cube'>\n</scene>"),
         ("unknown tag", "\n<shpe type='cube'/>"),
-        ("unsupported tag", "<animation name='to_world'/>"),
+        ("animation without key frames", "<animation name='to_world'/>"),
         ("transform step outside of a transform", "<translate value='1, 2, 3'/>"),
         ("unknown attribute", "<shape typ='cube'/>"),
         ("missing attribute", "<shape id='a'/>"),

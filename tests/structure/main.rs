@@ -37,6 +37,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("object_store", &["farm/store"]),
     ("exr", &["estimate/picture_files", "scene/texture", "import/pbrt/infinite.rs"]),
     ("image", &["estimate/picture_files", "scene/texture"]),
+    ("png", &["estimate/picture_files/animated_png.rs"]),
     ("plotters", &["evaluation/chart/canvas.rs"]),
     ("rayon", &["transport", "method", "render", "evaluation/run.rs", "evaluation/stopwatch.rs", "farm/worker"]),
     ("tokio", &["farm", "api", "cli", "main.rs"]),
@@ -64,7 +65,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("lz4_flex", &["farm/wire"]),
     ("clap", &["cli", "main.rs"]),
     ("indicatif", &["cli"]),
-    ("console", &["cli/top.rs"]),
+    ("console", &["cli/top.rs", "cli/progress.rs"]),
     ("tracing_subscriber", &["cli", "main.rs"]),
 ];
 

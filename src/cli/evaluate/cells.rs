@@ -50,7 +50,7 @@ pub(super) fn methods(texts: &[String], references: &[Reference]) -> Result<Vec<
         let mut parts = label.split(':');
         let name = parts.next().unwrap_or_default().to_owned();
         let settings = parts.map(setting).collect::<Result<Vec<_>, _>>();
-        let settings = settings.map_err(|error| CliError::BadInput(format!("method \"{label}\": {error}")))?;
+        let settings = settings.map_err(|error| CliError::Usage(format!("method \"{label}\": {error}")))?;
         let parameters = parameters(settings)?;
         let choice = MethodChoice { name, parameters };
         for reference in references {

@@ -12,7 +12,7 @@ pub(super) fn run(old: &Path, new: &Path, rule: ChangeRule) -> Result<(), CliErr
     let possible = rule.level > 0.0 && rule.level < 1.0 && rule.tolerance >= 0.0 && rule.tolerance.is_finite();
     if !possible {
         let text = format!("--level {} and --tolerance {}; give a probability and a share", rule.level, rule.tolerance);
-        return Err(CliError::BadInput(text));
+        return Err(CliError::Usage(text));
     }
     let (old_records, new_records) = (read_results(old)?, read_results(new)?);
     let found = changes(&old_records, &new_records, rule);

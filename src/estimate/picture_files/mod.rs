@@ -3,6 +3,7 @@
 //! A picture is encoded into memory first and written in one go ([`write_file`]), so a full disk never leaves half a
 //! picture. The same picture always gives the same bytes.
 
+mod animated_png;
 mod atomic_write;
 mod channels;
 mod display_file;
@@ -16,6 +17,7 @@ mod tone;
 
 use std::path::{Path, PathBuf};
 
+pub use animated_png::encode_animated_png;
 pub use atomic_write::{check_writable, write_file};
 pub use channels::{Channels, LUMINANCE, LayerValues};
 pub use display_file::{Display, DisplayFormat, JPEG_QUALITY, MOST_JPEG_QUALITY, encode_display};

@@ -7,6 +7,7 @@ use glam::{DMat4, DQuat, DVec3};
 
 use super::super::draft::{Draft, Target};
 use super::accessor::Accessor;
+use super::animation::{Pose, Poses};
 use super::camera::CameraNode;
 use super::entry::{Document, Entry};
 use super::material::{Material, Materials};
@@ -54,15 +55,16 @@ const MOST_COPIED: usize = 20_000;
 /// On nodes that are reached twice, and on whatever is wrong with what they hold.
 pub(super) fn read<'a>(
     input: &Input<'a>,
+    poses: &Poses,
     materials: &mut Materials,
     output: &mut Output,
 ) -> Result<Contents<'a>, SceneError> {
     let mut contents = Contents::default();
     let mut tree = Tree { reached: vec![false; input.document.count("nodes")], waiting: Vec::new() };
     tree.add(roots(input.document, output)?, DMat4::IDENTITY)?;
-    while let Some((node, parent)) = tree.waiting.pop() {
+    while let Some((index, node, parent)) = tree.waiting.pop() {
         extensions::report_unread(&node, output)?;
-        let to_world = parent * transform(&node)?;
+        let to_world = parent * transform(&node, poses.of(index))?;
         contents.add_meshes(&node, to_world, input, materials, output)?;
         contents.add_camera(&node, to_world)?;
         contents.emitters.extend(lights::read(&node, to_world, input.document, output)?);
@@ -75,7 +77,7 @@ pub(super) fn read<'a>(
 /// The nodes that are still to be read, the next one last, each with the transform of its parent to the world.
 struct Tree<'a> {
     reached: Vec<bool>,
-    waiting: Vec<(Entry<'a>, DMat4)>,
+    waiting: Vec<(usize, Entry<'a>, DMat4)>,
 }
 
 impl<'a> Tree<'a> {
@@ -86,7 +88,7 @@ impl<'a> Tree<'a> {
                 let problem = "the node is reached twice: it has two parents, or is below itself";
                 return Err(node.error(problem, "give every node one parent"));
             }
-            self.waiting.push((node, to_world));
+            self.waiting.push((index, node, to_world));
         }
         Ok(())
     }
@@ -120,14 +122,14 @@ fn roots<'a>(document: &'a Document, output: &mut Output) -> Result<Vec<(usize, 
     Ok(nodes.into_iter().enumerate().filter(|(index, _)| !has_parent[*index]).collect())
 }
 
-/// A node's transform to its parent.
-fn transform(node: &Entry<'_>) -> Result<DMat4, SceneError> {
+/// A node's transform to its parent. Nodes with a matrix are not animated.
+fn transform(node: &Entry<'_>, pose: Pose) -> Result<DMat4, SceneError> {
     if let Some(columns) = node.numbers::<16>("matrix")? {
         return Ok(DMat4::from_cols_array(&columns));
     }
-    let scale = node.numbers("scale")?.unwrap_or([1.0; 3]);
-    let rotation = node.numbers("rotation")?.unwrap_or([0.0, 0.0, 0.0, 1.0]);
-    let translation = node.numbers("translation")?.unwrap_or([0.0; 3]);
+    let scale = pose.scale.or(node.numbers("scale")?).unwrap_or([1.0; 3]);
+    let rotation = pose.rotation.or(node.numbers("rotation")?).unwrap_or([0.0, 0.0, 0.0, 1.0]);
+    let translation = pose.translation.or(node.numbers("translation")?).unwrap_or([0.0; 3]);
     steps(scale, rotation, translation)
         .ok_or_else(|| node.error("the rotation is no quaternion", "export the scene again"))
 }

@@ -42,7 +42,8 @@ pub(super) fn with_camera(
     let outside = seen_by(&scene, sensor(origin, target, OUTSIDE, [1e-3 * distance, 10.0 * distance], &place));
     let prepared = |root: &Draft| {
         let bundle = bundle.clone().with_generated(made.clone());
-        Scene::prepare(&SceneDescription { root: resolve(root, &[]).ok()?, bundle, notices: Vec::new() }).ok()
+        Scene::prepare(&SceneDescription { root: resolve(root, &[]).ok()?, bundle, notices: Vec::new(), moves: None })
+            .ok()
     };
     let subject = "the view (MGF has no camera)";
     // What cannot be prepared is told when it is.

@@ -62,7 +62,7 @@ pub(super) fn translate(
     bundle: &Bundle,
 ) -> Result<Reading, SceneError> {
     obj_materials::split(&mut reading, bundle);
-    let Reading { mut root, aliases, includes, notices } = reading;
+    let Reading { mut root, aliases, includes, notices, moves } = reading;
     let gone = old.passed_over.into_iter().map(|id| (id, None)).collect();
     let mut translation = Translation { version, notices, aliases, gone, media: BTreeSet::new() };
     translation.children(&mut root)?;
@@ -73,7 +73,7 @@ pub(super) fn translate(
     let files: BTreeMap<&str, usize> = includes.iter().map(|(name, _)| name.as_str()).zip(0..).collect();
     notices.sort_by_key(|notice| (files.get(notice.location.file.as_str()).copied(), notice.location.line));
     aliases.retain(|alias| !gone.contains_key(&alias.known));
-    Ok(Reading { root, aliases, includes, notices })
+    Ok(Reading { root, aliases, includes, notices, moves })
 }
 
 struct Translation {

@@ -38,7 +38,6 @@ impl Reader<'_> {
     ) -> Result<(), SceneError> {
         match element.tag_name().name() {
             tag if color::TAGS.contains(&tag) => self.color(file, element, scope),
-            "animation" => self.animation(file, element, scope),
             _ => self.pass_over(file, element, scope),
         }
     }
@@ -61,22 +60,6 @@ impl Reader<'_> {
             self.notices.push(Notice::approximated(&place, subject, explanation));
         }
         let (name, value) = (attributes.text("name").to_owned(), Value::Rgb(color.rgb));
-        scope.draft.parameters.push(Parameter { name, value, location: place });
-        Ok(())
-    }
-
-    /// The first of the transforms of an `<animation>`.
-    fn animation(&mut self, file: &File<'_>, element: Node<'_, '_>, scope: &mut Scope) -> Result<(), SceneError> {
-        let path = parameter_path(element, scope);
-        let place = file.place(element, path.as_str());
-        let attributes = self.attributes(file, element, &path, &["name"], &[])?;
-        let Some(first) = element.children().find(|child| child.has_tag_name("transform")) else {
-            return Err(SceneError::new(&place, "the <animation> has no <transform>", "give it one, or remove it"));
-        };
-        let matrix = self.steps(file, first, &path)?;
-        let explanation = "nothing moves: the first transform counts";
-        self.notices.push(Notice::approximated(&place, "the <animation>", explanation));
-        let (name, value) = (attributes.text("name").to_owned(), Value::Transform(matrix));
         scope.draft.parameters.push(Parameter { name, value, location: place });
         Ok(())
     }

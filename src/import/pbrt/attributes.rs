@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat4};
 
+use super::super::motion::between;
 use super::super::transform;
 use super::super::values::shown;
 use super::light::AreaSource;
@@ -16,9 +17,10 @@ const DEPTH_LIMIT: usize = 1000;
 /// What shapes get that come next.
 #[derive(Clone, Debug)]
 pub(super) struct Surface {
-    transform: DMat4,
-    /// Whether transforms apply to the start of a motion, which is what is imported.
-    at_start: bool,
+    /// At the start and at the end of a motion.
+    transforms: [DMat4; 2],
+    /// To which of both the next transforms apply.
+    active: [bool; 2],
     pub material: Option<Material>,
     /// What shapes emit.
     pub light: Option<AreaSource>,
@@ -33,33 +35,59 @@ pub(super) struct Attributes {
     pub current: Surface,
     /// With the directive that brings each back.
     saved: Vec<(Surface, &'static str)>,
+    /// When motions start and end.
+    pub times: [f64; 2],
+    /// The moment that is shown; without one, the start.
+    moment: Option<f64>,
+    /// Whether anything that was placed so far moves.
+    pub moves: bool,
 }
 
-impl Default for Attributes {
-    fn default() -> Self {
+impl Attributes {
+    /// Those at the beginning of a file of which `moment` is shown.
+    pub(super) fn new(moment: Option<f64>) -> Self {
         let current = Surface {
-            transform: DMat4::IDENTITY,
-            at_start: true,
+            transforms: [DMat4::IDENTITY; 2],
+            active: [true; 2],
             material: None,
             light: None,
             reverse: false,
             media: [None, None],
         };
-        Self { current, saved: Vec::new() }
-    }
-}
-
-impl Attributes {
-    /// The current transform.
-    pub(super) fn transform(&self) -> DMat4 {
-        self.current.transform
+        Self { current, saved: Vec::new(), times: [0.0, 1.0], moment, moves: false }
     }
 
-    /// Replaces the current transform.
-    pub(super) fn set_transform(&mut self, transform: DMat4) {
-        if self.current.at_start {
-            self.current.transform = transform;
-        }
+    /// Where something stands that is placed now.
+    pub(super) fn transform(&mut self) -> DMat4 {
+        self.at_moment(self.current.transforms)
+    }
+
+    /// From the world to a camera that is placed now. pbrt moves cameras in the world, not the world before them.
+    pub(super) fn camera_transform(&mut self) -> DMat4 {
+        let [start, end] = self.current.transforms;
+        if start == end { start } else { inverse(self.at_moment([start, end].map(inverse))) }
+    }
+
+    fn at_moment(&mut self, [start, end]: [DMat4; 2]) -> DMat4 {
+        self.moves |= start != end;
+        let [first, last] = self.times;
+        let share = self.moment.map_or(0.0, |moment| (moment - first) / (last - first));
+        between(start, end, share.clamp(0.0, 1.0))
+    }
+
+    /// The current transforms at the start and at the end of a motion.
+    pub(super) fn transforms(&self) -> [DMat4; 2] {
+        self.current.transforms
+    }
+
+    /// Begins the world, in which nothing is moved yet.
+    pub(super) fn begin_world(&mut self) {
+        (self.current.transforms, self.current.active) = ([DMat4::IDENTITY; 2], [true; 2]);
+    }
+
+    /// Replaces both current transforms.
+    pub(super) fn set_transforms(&mut self, transforms: [DMat4; 2]) {
+        self.current.transforms = transforms;
     }
 
     /// How many blocks are open.
@@ -83,7 +111,7 @@ impl Attributes {
             Some((saved, known)) if known == end => {
                 match end {
                     "TransformEnd" => {
-                        (self.current.transform, self.current.at_start) = (saved.transform, saved.at_start);
+                        (self.current.transforms, self.current.active) = (saved.transforms, saved.active);
                     }
                     _ => self.current = saved,
                 }
@@ -111,17 +139,15 @@ impl Attributes {
                 return Ok(true);
             }
             "ActiveTransform" => {
-                self.current.at_start = match tokens.next()? {
-                    Some(Token::Word("StartTime" | "All")) => true,
-                    Some(Token::Word("EndTime")) => false,
+                self.current.active = match tokens.next()? {
+                    Some(Token::Word("StartTime")) => [true, false],
+                    Some(Token::Word("EndTime")) => [false, true],
+                    Some(Token::Word("All")) => [true, true],
                     _ => return Err(refused("it is neither StartTime, EndTime nor All".to_owned())),
                 };
                 return Ok(true);
             }
-            "Identity" => {
-                self.set_transform(DMat4::IDENTITY);
-                return Ok(true);
-            }
+            "Identity" => DMat4::IDENTITY,
             "Translate" => transform::translate(numbers(tokens, place)?),
             "Scale" => transform::scale(numbers(tokens, place)?),
             "Rotate" => {
@@ -138,12 +164,15 @@ impl Attributes {
             }
             _ => return Ok(false),
         };
-        let transform = if directive == "Transform" { step } else { self.current.transform * step };
-        let usable = transform.is_finite() && transform.determinant().is_normal();
-        if !usable || transform.row(3) != glam::DVec4::W {
-            return Err(refused("the transform flattens, explodes, or has a perspective".to_owned()));
+        let is_alone = matches!(directive, "Transform" | "Identity");
+        for (transform, _) in self.current.transforms.iter_mut().zip(self.current.active).filter(|(_, active)| *active)
+        {
+            *transform = if is_alone { step } else { *transform * step };
+            let usable = transform.is_finite() && transform.determinant().is_normal();
+            if !usable || transform.row(3) != glam::DVec4::W {
+                return Err(refused("the transform flattens, explodes, or has a perspective".to_owned()));
+            }
         }
-        self.set_transform(transform);
         Ok(true)
     }
 }
@@ -154,7 +183,7 @@ pub(super) fn inverse(transform: DMat4) -> DMat4 {
 }
 
 /// Numbers, in brackets or not.
-fn numbers<const N: usize>(tokens: &mut Tokens<'_>, place: &Location) -> Result<[f64; N], SceneError> {
+pub(super) fn numbers<const N: usize>(tokens: &mut Tokens<'_>, place: &Location) -> Result<[f64; N], SceneError> {
     let error = |problem: String| SceneError::new(place, problem, format!("write {N} numbers"));
     let bracketed = tokens.next_if_open();
     let mut all = [0.0; N];

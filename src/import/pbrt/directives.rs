@@ -6,7 +6,7 @@ use super::super::compatibility::Support::{Approximated, PassedOver, Same};
 /// Directives by name.
 pub(in super::super) const DIRECTIVES: &[Row] = &[
     Row::new("Accelerator", PassedOver, "it chooses how pbrt computes"),
-    Row::new("ActiveTransform", Approximated, "the start of a motion"),
+    Row::new("ActiveTransform", Approximated, "one moment of a motion: its start, or that of `--time`"),
     Row::new(
         "AreaLightSource",
         Same,
@@ -62,6 +62,6 @@ pub(in super::super) const DIRECTIVES: &[Row] = &[
     Row::new("Transform", Same, ""),
     Row::new("TransformBegin", Same, ""),
     Row::new("TransformEnd", Same, ""),
-    Row::new("TransformTimes", Approximated, "everything stands where it is at the first keyframe"),
+    Row::new("TransformTimes", Approximated, "everything stands where it is at the first keyframe, or at `--time`"),
     Row::new("Translate", Same, ""),
 ];

@@ -12,5 +12,6 @@ mod mitsuba;
 mod mitsuba_cases;
 mod mitsuba_old;
 mod mitsuba_plugins;
+mod motion;
 mod pbrt;
 mod small_scenes;

@@ -758,8 +758,8 @@ class JobSubmission(BaseModel):
     scene_changes: dict[str, Any] | None = None
     """
     What is changed of the scene: `width`, `height` (pixels; one alone keeps the picture's proportions), `crop` (`x`, `y`,
-    `width`, `height`), `camera` (a name or an index as text), `environment` (`on` or `off`: a white environment). The
-    changed scene is kept as a scene of its own.
+    `width`, `height`), `camera` (a name or an index as text), `environment` (`on` or `off`: a white environment), `time` (the
+    moment that is shown), `between_cameras` (`from`, `to`, `share` of the way). The changed scene is kept as a scene of its own.
     """
     scene_inline: dict[str, Any] | None = None
     """
