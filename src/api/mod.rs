@@ -9,7 +9,7 @@
 //! | [`security_headers`] | what every answer tells browsers not to do |
 //! | [`guard`] | who may use which endpoint |
 //! | [`session`], [`provider_login`], [`members`] | who one is; users and tokens |
-//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`pixels`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`pixels`], [`layout`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
 //! | [`standby`] | what is answered while another coordinator leads |
 //! | [`openapi`] | the description of all this, generated from the handlers |
 
@@ -22,6 +22,7 @@ pub mod images;
 pub mod job_control;
 pub mod jobs;
 mod json_answer;
+pub mod layout;
 pub mod maps;
 pub mod members;
 pub mod methods;
@@ -111,6 +112,7 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(images::image_exr))
         .routes(routes!(images::chart_svg))
         .routes(routes!(history::history))
+        .routes(routes!(layout::layout))
         .merge(OpenApiRouter::new().routes(routes!(pixels::pixels)).layer(Extension(PixelCache::default())))
         .routes(routes!(maps::map_png))
         .routes(routes!(maps::map_svg))

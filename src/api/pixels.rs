@@ -209,7 +209,7 @@ impl PixelCache {
             return Ok(found);
         }
         // What a worker has to look at first takes long and is waited for elsewhere.
-        let is_merged = !matches!(layer, Some(Layer::Albedo | Layer::Normal | Layer::Depth));
+        let is_merged = !matches!(layer, Some(Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position));
         let _turn = if is_merged { Some(self.turn.lock().await) } else { None };
         if let Some(found) = self.find(id, layer, &state.coordinator.job(id)?) {
             return Ok(found);

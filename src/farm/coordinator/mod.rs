@@ -59,7 +59,7 @@ pub use jobs::JobChanges;
 pub use limits::{FaultHooks, Limits, UserLimits};
 pub use options::CoordinatorOptions;
 pub(super) use results::{Delivered, Delivery, Payload};
-pub use scene_record::SceneSummary;
+pub use scene_record::{SceneLayout, SceneSummary};
 pub use scenes::SceneUpload;
 pub(super) use shared::{JobRecord, Shared, blocking};
 
@@ -130,6 +130,14 @@ impl CoordinatorHandle {
     /// The camera of an uploaded scene, where it stands somewhere.
     pub fn camera(&self, hash: &str) -> Result<Option<CameraMatrices>, FarmError> {
         self.shared.scene(hash).map(|scene| scene.camera)
+    }
+
+    /// Where the camera and the lights of an uploaded scene stand.
+    ///
+    /// # Errors
+    /// [`FarmError::Busy`] while too many scenes are taken in: what has to be prepared counts as one of them.
+    pub async fn layout(&self, hash: &str, caller: &Caller) -> Result<SceneLayout, FarmError> {
+        self.shared.layout(hash, caller.name()).await
     }
 
     /// All uploaded scenes, by hash.
