@@ -148,6 +148,7 @@ fn member_routes(state: &ApiState) -> OpenApiRouter<ApiState> {
         .routes(routes!(members::change_user, members::delete_user))
         .routes(routes!(webhooks::list_webhooks, webhooks::add_webhook))
         .routes(routes!(webhooks::delete_webhook))
+        .routes(routes!(workers::drain_worker))
         .route_layer(from_fn_with_state(state.clone(), guard::admins));
     for_users.merge(for_admins)
 }

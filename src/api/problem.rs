@@ -133,6 +133,8 @@ impl From<FarmError> for Problem {
             FarmError::UnknownScene(_) => {
                 Self::new(StatusCode::NOT_FOUND, "unknown-scene", detail).remedy("upload it with POST /v1/scenes")
             }
+            FarmError::UnknownWorker(_) => Self::new(StatusCode::NOT_FOUND, "unknown-worker", detail)
+                .remedy("see GET /v1/workers for the workers there are; one that came back has a new number"),
             FarmError::UnknownMember(_) => Self::new(StatusCode::NOT_FOUND, "unknown-member", detail)
                 .remedy("list users, tokens or webhooks for those there are"),
             FarmError::Denied(denied) => denied.into(),

@@ -345,6 +345,8 @@ pub enum WorkerState {
     Idle,
     /// Holds leases.
     Working,
+    /// Gets no further work, and leaves when it has done what it holds.
+    Draining,
     /// Gets no work for now; `set_aside` says why.
     SetAside,
     /// Was not heard of for longer than a lease lives; it may be dead.
@@ -352,11 +354,15 @@ pub enum WorkerState {
 }
 
 impl WorkerState {
+    /// All states.
+    pub const ALL: [Self; 5] = [Self::Idle, Self::Working, Self::Draining, Self::SetAside, Self::Silent];
+
     /// Its name in JSON and tables.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Idle => "idle",
             Self::Working => "working",
+            Self::Draining => "draining",
             Self::SetAside => "set_aside",
             Self::Silent => "silent",
         }
@@ -381,6 +387,22 @@ pub struct WorkerStatus {
     /// Seconds since it was last heard of.
     pub idle_seconds: f64,
     /// Why no work is given to it for now.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub set_aside: Option<String>,
+    /// What went wrong with its work last; it stays until the worker leaves.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_error: Option<LastError>,
+}
+
+/// Work that a worker could not do, or whose result was no good.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LastError {
+    /// The job's id.
+    pub job: String,
+    /// What was traced, as `shard 12`.
+    pub work: String,
+    /// What was wrong.
+    pub problem: String,
+    /// When, seconds since 1970.
+    pub time: u64,
 }

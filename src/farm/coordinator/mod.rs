@@ -10,7 +10,7 @@
 //! | `shared` | events go in, effects are carried out |
 //! | `scenes`, `jobs`, `control` | what users ask for, one `turn` after the other |
 //! | [`members`], [`tokens`] | who they are, and what they may do |
-//! | `results` | what workers deliver |
+//! | `results`, `workers` | what workers deliver, and how they are sent away |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
 //! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
 //! | [`request`], `status` | what users say and are told |
@@ -46,6 +46,7 @@ mod status;
 pub mod tokens;
 mod turn;
 mod viewed;
+mod workers;
 
 use std::ops::Bound;
 use std::sync::Arc;
@@ -310,7 +311,12 @@ impl CoordinatorHandle {
 
     /// All workers that are registered, in the order in which they came.
     pub fn workers(&self) -> Vec<WorkerStatus> {
-        self.shared.lock().workers(self.shared.clock.now(), self.shared.options.lease_duration)
+        self.shared.lock().workers(&self.shared.clock, self.shared.options.lease_duration)
+    }
+
+    /// Gives a worker no further work; it leaves when it has done what it holds. Answers how it is doing.
+    pub fn drain_worker(&self, caller: &Caller, id: &str) -> Result<WorkerStatus, FarmError> {
+        self.shared.drain_worker(caller, id)
     }
 
     /// Takes no new jobs and gives no new leases; shards that are being traced may finish.
