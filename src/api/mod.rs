@@ -11,7 +11,7 @@
 //! | [`session`], [`provider_login`], [`members`] | who one is; users and tokens |
 //! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`pixels`], [`layout`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
 //! | [`standby`] | what is answered while another coordinator leads |
-//! | [`openapi`] | the description of all this, generated from the handlers |
+//! | [`openapi`], [`schemas`] | the description of all this, generated from the handlers |
 
 pub mod dashboard;
 pub mod events;
@@ -34,6 +34,7 @@ pub mod problem;
 pub mod provider_login;
 mod ranges;
 pub mod scenes;
+pub mod schemas;
 pub mod security_headers;
 pub mod session;
 pub mod standby;

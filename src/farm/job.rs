@@ -264,6 +264,7 @@ pub struct JobStatus {
     pub waiting_for_workers_since: Option<u64>,
     /// Whether it cannot begin because other jobs, also paused ones, hold the coordinator's memory.
     #[serde(default)]
+    #[schema(required = true)]
     pub waiting_for_memory: bool,
     /// Who submitted it, where there are users.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -273,12 +274,15 @@ pub struct JobStatus {
     pub name: Option<String>,
     /// Words to find it by.
     #[serde(default)]
+    #[schema(required = true)]
     pub tags: Vec<String>,
     /// Its share of the farm.
     #[serde(default)]
+    #[schema(required = true)]
     pub priority: Priority,
     /// When it was submitted, seconds since 1970.
     #[serde(default)]
+    #[schema(required = true)]
     pub submitted: u64,
     /// Hash of its scene.
     pub scene: String,
@@ -321,12 +325,15 @@ pub struct JobStatus {
     pub acceptance: Vec<Acceptance>,
     /// Shards that a second worker traced to the same bits.
     #[serde(default)]
+    #[schema(required = true)]
     pub shards_verified: u64,
     /// Shards for which two workers returned different bits.
     #[serde(default)]
+    #[schema(required = true)]
     pub shards_mismatched: u64,
     /// Shards that were to be traced twice, but no second worker was there.
     #[serde(default)]
+    #[schema(required = true)]
     pub shards_unchecked: u64,
     /// How far the picture is from the truth; empty while too few shards are merged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
