@@ -42,7 +42,7 @@ pub async fn list_workers(State(state): State<ApiState>) -> Json<WorkerList> {
     Json(WorkerList { workers: state.coordinator.workers() })
 }
 
-/// Gives a worker no further work. It finishes what it holds, delivers it, and leaves; its process ends. For admins.
+/// Gives a worker no further work. It finishes what it holds, delivers it, and leaves: `photonfarm worker` ends. For admins.
 #[utoipa::path(
     post, path = "/workers/{id}/drain", tag = "workers",
     params(("id" = String, Path, description = "The worker's number")),

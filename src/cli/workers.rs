@@ -24,7 +24,7 @@ pub(super) struct Workers {
 
 #[derive(Clone, Debug, Subcommand)]
 enum Task {
-    /// Give a worker no further work. It finishes what it holds and leaves; its process ends.
+    /// Give a worker no further work. It finishes what it holds and leaves: `photonfarm worker` ends.
     Drain {
         /// The worker's number.
         id: String,
