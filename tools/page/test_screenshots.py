@@ -53,7 +53,7 @@ def fill(farm):
     jobs["second"] = farm.submit("glass and mirror, vcm", passes=24, size=160, method="vcm", scene=glass, tags=["dailies"])
     paths = json.loads((ROOT / "scenes/rooms/user-paths.json").read_text())[:6]
     rooms = {"scene": ROOT / "scenes/rooms", "parameters": {"user_paths": paths}}
-    jobs["rooms"] = farm.submit("rooms, with paths", passes=24, size=160, method="mlt", tags=["dailies"], **rooms)
+    jobs["rooms"] = farm.submit("rooms, with paths", passes=48, size=104, method="mlt", tags=["dailies"], **rooms)
     jobs["running"] = farm.submit("box to an error", size=176, stop={"error": 0.0002}, tags=["night"])
     farm.wait(jobs["second"])
     for job in jobs.values():
