@@ -63,6 +63,7 @@ pub mod tls;
 pub mod webhooks;
 pub mod wire;
 pub mod worker;
+pub mod worker_status;
 
 pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneLayout, SceneSummary, UserLimits};
 pub use error::FarmError;
