@@ -60,7 +60,10 @@ export function refusal(message, paths) {
 
 // Three numbers, in any usual way to separate them; `null` where that is something else.
 export function readPlace(text) {
-  const numbers = text.trim().split(/[\s,;]+/).map(Number);
+  const numbers = text
+    .trim()
+    .split(/[\s,;]+/)
+    .map(Number);
   return numbers.length === 3 && numbers.every(Number.isFinite) ? numbers : null;
 }
 

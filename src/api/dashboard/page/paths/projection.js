@@ -44,7 +44,11 @@ export function coneInPicture(matrix, size, from, to, degrees) {
   const [one, other] = across(axis.map(value => value / length));
   const places = Array.from({ length: STEPS }, (_, step) => {
     const [cosine, sine] = [Math.cos((2 * Math.PI * step) / STEPS), Math.sin((2 * Math.PI * step) / STEPS)];
-    return inPicture(matrix, size, to.map((value, index) => value + radius * (cosine * one[index] + sine * other[index])));
+    return inPicture(
+      matrix,
+      size,
+      to.map((value, index) => value + radius * (cosine * one[index] + sine * other[index])),
+    );
   });
   return places.every(Boolean) ? places : [];
 }

@@ -74,8 +74,7 @@ async function attempt(act, done) {
 // The job's other parameters, where they are those of this method.
 const parameters = (job, list) => ({ ...(job.method === method() ? job.parameters : {}), user_paths: list });
 
-const check = ({ scene, stop, ...job }, list) =>
-  post('/v1/jobs/validate', { scene, method: method(), parameters: parameters(job, list), stop });
+const check = ({ scene, stop, ...job }, list) => post('/v1/jobs/validate', { scene, method: method(), parameters: parameters(job, list), stop });
 
 async function render(job, list) {
   const clone = (name, user_paths) =>
