@@ -10,7 +10,7 @@ use super::access::user::UserName;
 use super::cut::Cut;
 use super::ids::JobId;
 pub use super::measured::{Acceptance, EstimatedError};
-pub use super::worker_status::{LastError, WorkerState, WorkerStatus};
+pub use super::status_of_worker::{LastError, WorkerState, WorkerStatus};
 pub use crate::import::changes::Changes as SceneChanges;
 
 /// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.

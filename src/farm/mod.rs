@@ -57,13 +57,13 @@ pub mod prepared_scenes;
 pub mod rules;
 pub mod snapshot;
 pub mod standby;
+pub mod status_of_worker;
 pub mod store;
 mod text;
 pub mod tls;
 pub mod webhooks;
 pub mod wire;
 pub mod worker;
-pub mod worker_status;
 
 pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneLayout, SceneSummary, UserLimits};
 pub use error::FarmError;
