@@ -10,8 +10,9 @@ use axum::http::{HeaderMap, HeaderName};
 use axum::response::Sse;
 use axum::response::sse::{Event, KeepAlive};
 use futures_util::stream::{self, Stream, StreamExt};
-use serde_json::json;
+use serde::Serialize;
 use tokio::sync::watch;
+use utoipa::ToSchema;
 
 use super::ApiState;
 use super::extract::{PathValue, parse_job};
@@ -91,12 +92,46 @@ fn status_events(following: Following) -> impl Stream<Item = Result<Event, Infal
     })
 }
 
+/// What an event of the stream of all jobs holds; its name says which of these.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+#[serde(untagged)]
+pub enum FarmEvent {
+    /// `status`: a job as it is now.
+    Status(Box<JobView>),
+    /// `deleted`: a job that is gone.
+    Deleted(DeletedJob),
+    /// `reset`: what was known before is to be forgotten.
+    Reset(Reset),
+}
+
+/// A job that was deleted.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct DeletedJob {
+    /// Its id.
+    pub id: String,
+}
+
+/// Nothing but that what was known before is to be forgotten.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub struct Reset {}
+
+impl FarmEvent {
+    fn name(&self) -> &'static str {
+        match self {
+            Self::Status(_) => "status",
+            Self::Deleted(_) => "deleted",
+            Self::Reset(_) => "reset",
+        }
+    }
+}
+
 /// Streams all jobs: first each that there is, then each that changes, as `status` events; `deleted` events, each with an id; and `reset` when too
 /// much was missed, and what was known before is to be forgotten. With `Last-Event-ID` it begins with what was missed.
 #[utoipa::path(
     get, path = "/events", tag = "jobs",
     params(("Last-Event-ID" = Option<String>, Header, description = "The id of the last event that was received")),
-    responses((status = 200, description = "Events named status, deleted and reset", body = JobView, content_type = "text/event-stream"))
+    responses((status = 200, description = "Events named status, deleted and reset, each with what that says", body = FarmEvent,
+        content_type = "text/event-stream"))
 )]
 pub async fn all_events(
     State(state): State<ApiState>,
@@ -149,12 +184,11 @@ fn change_events(watching: Watching) -> impl Stream<Item = Vec<Result<Event, Inf
 
 /// Only the last event of a batch has an id: whoever receives a part of it gets the whole batch again.
 fn events(changes: Changes, is_reset: bool, id: &str) -> Vec<Result<Event, Infallible>> {
-    let reset = is_reset.then(|| Event::default().event("reset").data("{}"));
-    let deleted = changes.deleted.into_iter().map(|job| json!({ "id": job.to_string() }));
-    let deleted = deleted.filter_map(|data| Event::default().event("deleted").json_data(data).ok());
-    let statuses = changes.jobs.into_iter().map(JobView::from);
-    let statuses = statuses.filter_map(|job| Event::default().event("status").json_data(job).ok());
-    let mut events: Vec<Event> = reset.into_iter().chain(deleted).chain(statuses).collect();
+    let reset = is_reset.then_some(FarmEvent::Reset(Reset {}));
+    let deleted = changes.deleted.into_iter().map(|job| FarmEvent::Deleted(DeletedJob { id: job.to_string() }));
+    let statuses = changes.jobs.into_iter().map(|job| FarmEvent::Status(Box::new(job.into())));
+    let written = |event: FarmEvent| Event::default().event(event.name()).json_data(event).ok();
+    let mut events: Vec<Event> = reset.into_iter().chain(deleted).chain(statuses).filter_map(written).collect();
     if let Some(last) = events.pop() {
         events.push(last.id(id));
     }

@@ -13,6 +13,7 @@ use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use super::ranges::image;
+use super::schemas::Bytes;
 use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_half_exr};
 use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::FarmError;
@@ -56,9 +57,9 @@ impl IntoParams for ExrQuery {
     get, path = "/jobs/{id}/image.exr", tag = "images",
     params(("id" = String, Path, description = "The job's id"), ExrQuery),
     responses(
-        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/x-exr",
+        (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/x-exr",
             headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/x-exr"),
+        (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/x-exr"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),

@@ -53,6 +53,12 @@ pub struct CloneRequest {
     /// What people call it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Words to find it by.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tags: Option<Vec<String>>,
+    /// Its share of the farm.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub priority: Option<Priority>,
 }
 
 /// Changes name, tags or priority of a job.
@@ -135,12 +141,13 @@ pub async fn extend_job(
     params(
         ("id" = String, Path, description = "The job's id"),
         ("Idempotency-Key" = Option<String>, Header, description = "The same key again answers the job that there is"),
-        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds"),
+        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds; Preference-Applied says how long"),
     ),
     responses(
         (status = 200, description = "It has ended, and Prefer: wait waited for that", body = JobView,
-            headers(("Location" = String))),
-        (status = 202, description = "Checked and queued", body = JobView, headers(("Location" = String))),
+            headers(("Location" = String), ("Preference-Applied" = String, description = "The wait that was granted"))),
+        (status = 202, description = "Checked and queued", body = JobView,
+            headers(("Location" = String), ("Preference-Applied" = String, description = "The wait that was granted"))),
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
     )
@@ -153,7 +160,7 @@ pub async fn clone_job(
     JsonBody(changes): JsonBody<CloneRequest>,
 ) -> Result<Response, Problem> {
     let mut request = state.coordinator.request(parse_job(&id)?)?;
-    let CloneRequest { method, parameters, stop, seed, name } = changes;
+    let CloneRequest { method, parameters, stop, seed, name, tags, priority } = changes;
     if method.is_some() && method != request.method {
         // Another method has other parameters.
         request.parameters.clear();
@@ -163,6 +170,8 @@ pub async fn clone_job(
     request.stop = stop.unwrap_or(request.stop);
     request.seed = seed.unwrap_or(request.seed);
     request.name = name.or(request.name);
+    request.tags = tags.unwrap_or(request.tags);
+    request.priority = priority.unwrap_or(request.priority);
     accepted(&state, &caller, preferences, request).await
 }
 

@@ -15,6 +15,7 @@ use super::guard::OwnJob;
 use super::json_answer::Json;
 use super::preferences::Preferences;
 use super::problem::Problem;
+use super::schemas::{Changes, InlineScene};
 use crate::farm::FarmError;
 use crate::farm::access::caller::Caller;
 use crate::farm::access::user::UserName;
@@ -32,13 +33,11 @@ pub struct JobSubmission {
     /// The scene itself: a dictionary as Mitsuba 3's `load_dict` takes it, or a string of Mitsuba 3 XML. It stands alone;
     /// scenes that refer to files are uploaded as an archive.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = Option<InlineScene>)]
     pub scene_inline: Option<serde_json::Value>,
-    /// What is changed of the scene: `width`, `height` (pixels; one alone keeps the picture's proportions), `crop` (`x`, `y`,
-    /// `width`, `height`), `camera` (a name or an index as text), `environment` (`on` or `off`: a white environment), `time` (the
-    /// moment that is shown), `between_cameras` (`from`, `to`, `share` of the way). The changed scene is kept as a scene of its own.
+    /// What is changed of the scene. The changed scene is kept as a scene of its own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schema(value_type = Option<Object>)]
+    #[schema(value_type = Option<Changes>)]
     pub scene_changes: Option<SceneChanges>,
     /// Method; the scene's own integrator when it is not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -156,12 +155,13 @@ impl From<JobStatus> for JobView {
     post, path = "/jobs", tag = "jobs", request_body = JobSubmission,
     params(
         ("Idempotency-Key" = Option<String>, Header, description = "The same key again answers the job that there is"),
-        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds"),
+        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds; Preference-Applied says how long"),
     ),
     responses(
         (status = 200, description = "It has ended, and Prefer: wait waited for that", body = JobView,
-            headers(("Location" = String))),
-        (status = 202, description = "Checked and queued", body = JobView, headers(("Location" = String))),
+            headers(("Location" = String), ("Preference-Applied" = String, description = "The wait that was granted"))),
+        (status = 202, description = "Checked and queued", body = JobView,
+            headers(("Location" = String), ("Preference-Applied" = String, description = "The wait that was granted"))),
         (status = 400, description = "Not JSON", body = Problem, content_type = "application/problem+json"),
         (status = 413, description = "More than /v1/limits allows", body = Problem, content_type = "application/problem+json"),
         (status = 415, description = "Not said to be JSON", body = Problem, content_type = "application/problem+json"),
@@ -320,10 +320,11 @@ pub async fn list_jobs(
     get, path = "/jobs/{id}", tag = "jobs",
     params(
         ("id" = String, Path, description = "The job's id"),
-        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds"),
+        ("Prefer" = Option<String>, Header, description = "wait=SECONDS waits for the job's end, at most 60 seconds; Preference-Applied says how long"),
     ),
     responses(
-        (status = 200, description = "Its status", body = JobView, headers(("ETag" = String))),
+        (status = 200, description = "Its status", body = JobView,
+            headers(("ETag" = String), ("Preference-Applied" = String, description = "The wait that was granted"))),
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]

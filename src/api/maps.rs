@@ -11,6 +11,7 @@ use super::extract::{PathValue, QueryValues, parse_job};
 use super::images::{etag, unchanged};
 use super::problem::Problem;
 use super::ranges::image;
+use super::schemas::Bytes;
 use crate::estimate::picture_files::{Channels, LUMINANCE, Layer, LayerRow, LayerValues, PictureFileError};
 use crate::evaluation::chart::{CanvasError, Drawing, ScaleError, ScaleRequest, Spacing, draw_layer, to_png, to_svg};
 use crate::farm::FarmError;
@@ -74,9 +75,9 @@ impl MapQuery {
     get, path = "/jobs/{id}/map.png", tag = "images",
     params(("id" = String, Path, description = "The job's id"), MapQuery),
     responses(
-        (status = 200, description = "The map so far", body = Vec<u8>, content_type = "image/png",
+        (status = 200, description = "The map so far", body = inline(Bytes), content_type = "image/png",
             headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>),
+        (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/png"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, no picture yet, or no value in the layer yet", body = Problem,
@@ -102,7 +103,7 @@ pub async fn map_png(
     responses(
         (status = 200, description = "The map so far", body = String, content_type = "image/svg+xml",
             headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>),
+        (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/svg+xml"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, no picture yet, or no value in the layer yet", body = Problem,

@@ -9,9 +9,9 @@
 //! | [`security_headers`] | what every answer tells browsers not to do |
 //! | [`guard`] | who may use which endpoint |
 //! | [`session`], [`provider_login`], [`members`] | who one is; users and tokens |
-//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`pixels`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`pixels`], [`layout`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
 //! | [`standby`] | what is answered while another coordinator leads |
-//! | [`openapi`] | the description of all this, generated from the handlers |
+//! | [`openapi`], [`schemas`] | the description of all this, generated from the handlers |
 
 pub mod dashboard;
 pub mod events;
@@ -22,6 +22,7 @@ pub mod images;
 pub mod job_control;
 pub mod jobs;
 mod json_answer;
+pub mod layout;
 pub mod maps;
 pub mod members;
 pub mod methods;
@@ -33,6 +34,7 @@ pub mod problem;
 pub mod provider_login;
 mod ranges;
 pub mod scenes;
+pub mod schemas;
 pub mod security_headers;
 pub mod session;
 pub mod standby;
@@ -111,6 +113,7 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(images::image_exr))
         .routes(routes!(images::chart_svg))
         .routes(routes!(history::history))
+        .routes(routes!(layout::layout))
         .merge(OpenApiRouter::new().routes(routes!(pixels::pixels)).layer(Extension(PixelCache::default())))
         .routes(routes!(maps::map_png))
         .routes(routes!(maps::map_svg))
@@ -146,6 +149,7 @@ fn member_routes(state: &ApiState) -> OpenApiRouter<ApiState> {
         .routes(routes!(members::change_user, members::delete_user))
         .routes(routes!(webhooks::list_webhooks, webhooks::add_webhook))
         .routes(routes!(webhooks::delete_webhook))
+        .routes(routes!(workers::drain_worker))
         .route_layer(from_fn_with_state(state.clone(), guard::admins));
     for_users.merge(for_admins)
 }

@@ -18,6 +18,7 @@ use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
 use super::images::{etag, unchanged};
 use super::problem::Problem;
+use super::schemas::Bytes;
 use crate::estimate::Picture;
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::farm::FarmError;
@@ -209,7 +210,7 @@ impl PixelCache {
             return Ok(found);
         }
         // What a worker has to look at first takes long and is waited for elsewhere.
-        let is_merged = !matches!(layer, Some(Layer::Albedo | Layer::Normal | Layer::Depth));
+        let is_merged = !matches!(layer, Some(Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position));
         let _turn = if is_merged { Some(self.turn.lock().await) } else { None };
         if let Some(found) = self.find(id, layer, &state.coordinator.job(id)?) {
             return Ok(found);
@@ -252,7 +253,7 @@ impl PixelCache {
     get, path = "/jobs/{id}/pixels", tag = "images",
     params(("id" = String, Path, description = "The job's id"), PixelsQuery),
     responses(
-        (status = 200, description = "The numbers", body = Vec<u8>, content_type = "application/octet-stream",
+        (status = 200, description = "The numbers", body = inline(Bytes), content_type = "application/octet-stream",
             headers(("ETag" = String), ("Photonfarm-Width" = u32, description = "Pixels of a row of the answer"),
                 ("Photonfarm-Height" = u32, description = "Rows of the answer"),
                 ("Photonfarm-Level" = u32), ("Photonfarm-Channels" = String, description = "Their names, separated by commas"),

@@ -133,6 +133,8 @@ impl From<FarmError> for Problem {
             FarmError::UnknownScene(_) => {
                 Self::new(StatusCode::NOT_FOUND, "unknown-scene", detail).remedy("upload it with POST /v1/scenes")
             }
+            FarmError::UnknownWorker(_) => Self::new(StatusCode::NOT_FOUND, "unknown-worker", detail)
+                .remedy("see GET /v1/workers for the workers there are; one that came back has a new number"),
             FarmError::UnknownMember(_) => Self::new(StatusCode::NOT_FOUND, "unknown-member", detail)
                 .remedy("list users, tokens or webhooks for those there are"),
             FarmError::Denied(denied) => denied.into(),
@@ -223,12 +225,15 @@ impl From<MethodError> for Problem {
 
 impl From<serde_json::Error> for Problem {
     fn from(error: serde_json::Error) -> Self {
+        let (line, column, text) = (error.line(), error.column(), error.to_string());
+        // The place has a field of its own.
+        let detail = text.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&text);
         let problem = if error.is_data() {
-            Self::bad_request(error.to_string(), "see /v1/openapi.json for what may be sent")
+            Self::bad_request(detail, "see /v1/openapi.json for what may be sent")
         } else {
-            Self::new(StatusCode::BAD_REQUEST, "bad-json", error.to_string()).remedy("correct the JSON at that place")
+            Self::new(StatusCode::BAD_REQUEST, "bad-json", detail).remedy("correct the JSON at that place")
         };
-        problem.place(format!("line {}, column {}", error.line(), error.column()))
+        problem.place(format!("line {line}, column {column}"))
     }
 }
 

@@ -13,6 +13,7 @@ use super::ApiState;
 use super::extract::PathValue;
 use super::json_answer::Json;
 use super::problem::Problem;
+use super::schemas::Bytes;
 use crate::farm::SceneSummary;
 use crate::farm::access::caller::Caller;
 
@@ -46,7 +47,7 @@ impl From<SceneSummary> for SceneView {
 /// Uploads a scene of any format that is read, alone or in a zip archive with everything it refers to.
 #[utoipa::path(
     post, path = "/scenes", tag = "scenes",
-    request_body(content = Vec<u8>, content_type = "application/octet-stream"),
+    request_body(content = inline(Bytes), content_type = "application/octet-stream"),
     responses(
         (status = 201, description = "Checked and kept", body = SceneView, headers(("Location" = String))),
         (status = 408, description = "No byte for too long", body = Problem, content_type = "application/problem+json"),

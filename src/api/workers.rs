@@ -1,13 +1,15 @@
 //! Workers, what happened, and whether the coordinator itself is well.
 
+use axum::Extension;
 use axum::extract::State;
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
-use super::extract::{QueryValues, parse_job};
+use super::extract::{PathValue, QueryValues, parse_job};
 use super::json_answer::Json;
 use super::problem::Problem;
+use crate::farm::access::caller::Caller;
 use crate::farm::job::WorkerStatus;
 use crate::farm::store::journal::JournalRow;
 use crate::farm::wire::BUILD;
@@ -38,6 +40,23 @@ pub struct Health {
 )]
 pub async fn list_workers(State(state): State<ApiState>) -> Json<WorkerList> {
     Json(WorkerList { workers: state.coordinator.workers() })
+}
+
+/// Gives a worker no further work. It finishes what it holds, delivers it, and leaves: `photonfarm worker` ends. For admins.
+#[utoipa::path(
+    post, path = "/workers/{id}/drain", tag = "workers",
+    params(("id" = String, Path, description = "The worker's number")),
+    responses(
+        (status = 200, description = "How it is doing", body = WorkerStatus),
+        (status = 404, description = "No such worker", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub async fn drain_worker(
+    State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
+    PathValue(id): PathValue<String>,
+) -> Result<Json<WorkerStatus>, Problem> {
+    Ok(Json(state.coordinator.drain_worker(&caller, &id)?))
 }
 
 /// Answers as long as the coordinator does.

@@ -1,6 +1,7 @@
 //! The API as the subcommands use it.
 
 mod members;
+mod workers;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -20,11 +21,10 @@ use super::trust_options::TrustOptions;
 use crate::api::job_control::{CloneRequest, JobPatch};
 use crate::api::jobs::{JobSubmission, JobsQuery};
 use crate::api::problem::Problem;
-use crate::api::workers::{Journal, JournalLine, JournalQuery};
 use crate::farm::SceneSummary;
 use crate::farm::access::secret::Secret;
 use crate::farm::dial::TlsSettings;
-use crate::farm::job::{JobStatus, StopRule, WorkerStatus};
+use crate::farm::job::{JobStatus, StopRule};
 use crate::farm::tls;
 
 /// How often in a row a broken stream of events is opened again.
@@ -83,11 +83,6 @@ struct SceneList {
     scenes: Vec<SceneSummary>,
 }
 
-#[derive(Deserialize)]
-struct WorkerList {
-    workers: Vec<WorkerStatus>,
-}
-
 impl Client {
     pub(super) fn new(base: &str, token: Option<&Secret>, tls: Option<Arc<TlsSettings>>) -> Result<Self, CliError> {
         let bases = base.split(',').map(|base| address(base.trim())).collect::<Result<Vec<_>, _>>()?;
@@ -134,14 +129,6 @@ impl Client {
 
     pub(super) async fn scenes(&self) -> Result<Vec<SceneSummary>, CliError> {
         Ok(self.json::<SceneList>(self.request(Method::GET, "/v1/scenes")).await?.scenes)
-    }
-
-    pub(super) async fn workers(&self) -> Result<Vec<WorkerStatus>, CliError> {
-        Ok(self.json::<WorkerList>(self.request(Method::GET, "/v1/workers")).await?.workers)
-    }
-
-    pub(super) async fn journal(&self, query: &JournalQuery) -> Result<Vec<JournalLine>, CliError> {
-        Ok(self.json::<Journal>(self.request(Method::GET, "/v1/journal").query(query)).await?.lines)
     }
 
     /// Asks an address that answers with 200 when all is well.

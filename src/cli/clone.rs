@@ -4,10 +4,11 @@ use clap::Args;
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
-use super::job_options::{parameters, setting};
+use super::job_options::{parameters, priority, setting};
 use super::stop_options::StopOptions;
 use super::terminal;
 use crate::api::job_control::CloneRequest;
+use crate::farm::job::Priority;
 
 /// Submit a copy of a job; prints its id.
 ///
@@ -30,6 +31,12 @@ pub(super) struct CloneJob {
     /// What people call it.
     #[arg(long)]
     name: Option<String>,
+    /// Word to find it by, in place of all that the original has. May be repeated.
+    #[arg(long = "tag", value_name = "WORD")]
+    tags: Option<Vec<String>>,
+    /// Its share of the farm beside others, 1 to 1000.
+    #[arg(long, value_parser = priority)]
+    priority: Option<Priority>,
     /// Print the job's status as JSON instead.
     #[arg(long)]
     json: bool,
@@ -39,7 +46,7 @@ pub(super) struct CloneJob {
 
 impl CloneJob {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        let Self { id, method, settings, stop, seed, name, json, coordinator } = self;
+        let Self { id, method, settings, stop, seed, name, tags, priority, json, coordinator } = self;
         let stop = stop.rule();
         let changes = CloneRequest {
             method,
@@ -47,6 +54,8 @@ impl CloneJob {
             stop: (!stop.is_empty()).then_some(stop),
             seed,
             name,
+            tags,
+            priority,
         };
         let job = coordinator.client()?.clone_job(&id, &changes).await?;
         if json { terminal::json(&job) } else { terminal::result(&job.id) }

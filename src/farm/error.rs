@@ -18,6 +18,9 @@ pub enum FarmError {
     /// No job has this id.
     #[error("there is no job \"{0}\"")]
     UnknownJob(JobId),
+    /// No worker has this number.
+    #[error("there is no worker \"{0}\"")]
+    UnknownWorker(String),
     /// No user or token is called so.
     #[error("there is no {0}")]
     UnknownMember(String),

@@ -10,6 +10,7 @@ use super::access::user::UserName;
 use super::cut::Cut;
 use super::ids::JobId;
 pub use super::measured::{Acceptance, EstimatedError};
+pub use super::status_of_worker::{LastError, WorkerState, WorkerStatus};
 pub use crate::import::changes::Changes as SceneChanges;
 
 /// When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
@@ -264,6 +265,7 @@ pub struct JobStatus {
     pub waiting_for_workers_since: Option<u64>,
     /// Whether it cannot begin because other jobs, also paused ones, hold the coordinator's memory.
     #[serde(default)]
+    #[schema(required = true)]
     pub waiting_for_memory: bool,
     /// Who submitted it, where there are users.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -273,12 +275,15 @@ pub struct JobStatus {
     pub name: Option<String>,
     /// Words to find it by.
     #[serde(default)]
+    #[schema(required = true)]
     pub tags: Vec<String>,
     /// Its share of the farm.
     #[serde(default)]
+    #[schema(required = true)]
     pub priority: Priority,
     /// When it was submitted, seconds since 1970.
     #[serde(default)]
+    #[schema(required = true)]
     pub submitted: u64,
     /// Hash of its scene.
     pub scene: String,
@@ -321,12 +326,15 @@ pub struct JobStatus {
     pub acceptance: Vec<Acceptance>,
     /// Shards that a second worker traced to the same bits.
     #[serde(default)]
+    #[schema(required = true)]
     pub shards_verified: u64,
     /// Shards for which two workers returned different bits.
     #[serde(default)]
+    #[schema(required = true)]
     pub shards_mismatched: u64,
     /// Shards that were to be traced twice, but no second worker was there.
     #[serde(default)]
+    #[schema(required = true)]
     pub shards_unchecked: u64,
     /// How far the picture is from the truth; empty while too few shards are merged.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -335,52 +343,4 @@ pub struct JobStatus {
     pub notices: Vec<String>,
     /// Rises with every change of the picture; the ETag of its images.
     pub picture_version: u64,
-}
-
-/// What a worker is doing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum WorkerState {
-    /// Waits for work.
-    Idle,
-    /// Holds leases.
-    Working,
-    /// Gets no work for now; `set_aside` says why.
-    SetAside,
-    /// Was not heard of for longer than a lease lives; it may be dead.
-    Silent,
-}
-
-impl WorkerState {
-    /// Its name in JSON and tables.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Working => "working",
-            Self::SetAside => "set_aside",
-            Self::Silent => "silent",
-        }
-    }
-}
-
-/// One worker as the coordinator sees it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct WorkerStatus {
-    /// The worker's id.
-    pub id: String,
-    /// The name it gave itself.
-    pub name: String,
-    /// What it is doing.
-    pub state: WorkerState,
-    /// Its rendering threads.
-    pub threads: u32,
-    /// Shards it delivered that were merged.
-    pub shards_done: u64,
-    /// Leases it holds.
-    pub leases: u32,
-    /// Seconds since it was last heard of.
-    pub idle_seconds: f64,
-    /// Why no work is given to it for now.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub set_aside: Option<String>,
 }

@@ -57,6 +57,7 @@ pub mod prepared_scenes;
 pub mod rules;
 pub mod snapshot;
 pub mod standby;
+pub mod status_of_worker;
 pub mod store;
 mod text;
 pub mod tls;
@@ -64,7 +65,7 @@ pub mod webhooks;
 pub mod wire;
 pub mod worker;
 
-pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneSummary, UserLimits};
+pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneLayout, SceneSummary, UserLimits};
 pub use error::FarmError;
 pub use events::EVENTS;
 pub use local_farm::LocalFarm;

@@ -28,7 +28,7 @@ use super::notice::Notice;
 use super::texture::TextureReader;
 use checks::check_view;
 use instancing::Instancing;
-use lights::{light_table, place_area_lights};
+use lights::{AreaLightShape, PlacedLights, light_table, place_area_lights};
 use materials::KnownMaterial;
 
 /// A prepared scene: checked, with accelerator, light table and materials; immutable, shared by reference. A clone shares all that is
@@ -74,8 +74,7 @@ struct Builder<'a> {
     bundle: &'a Bundle,
     textures: TextureReader<'a>,
     shapes: Vec<(Shape, ShapeGeometry)>,
-    /// Index of a shape and what it emits.
-    area_lights: Vec<(usize, Emission)>,
+    area_lights: Vec<AreaLightShape>,
     /// What is seen and lights nothing.
     seen_only: Vec<Emission>,
     materials: Vec<Material>,
@@ -139,7 +138,7 @@ impl Scene {
         let (geometry, members) = Geometry::build(shapes);
         let mut geometry = instancing.add_to(geometry);
         camera.stand_outside(geometry.bounding_sphere());
-        let mut lights = Vec::new();
+        let mut lights = PlacedLights::default();
         place_area_lights(&mut geometry, &members, area_lights, &mut lights);
         let lights =
             light_table(&geometry, lights, &emitters, sensor, &mut textures, description)?.with_seen_only(seen_only);

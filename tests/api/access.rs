@@ -114,7 +114,8 @@ async fn every_endpoint_asks_who_it_is() {
         assert_eq!(status(None).await, 401, "{what} without a token");
         assert_eq!(status(Some("photonfarm_guessed")).await, 401, "{what} with a guessed token");
         let reads = method == Method::GET;
-        let is_for_admins = path.starts_with("/v1/users") || path.starts_with("/v1/webhooks");
+        let is_for_admins =
+            path.starts_with("/v1/users") || path.starts_with("/v1/webhooks") || path.ends_with("/drain");
         let is_for_users = path.starts_with("/v1/tokens") || path.starts_with("/v1/me");
         let viewer = farm.status(method.clone(), &path, Some(&vera)).await;
         let is_refused = |status: u16| status == 401 || status == 403;

@@ -2,6 +2,8 @@
 
 #[path = "../support/exr_channels.rs"]
 mod exr_channels;
+#[path = "../support/hand.rs"]
+mod hand;
 #[path = "../support/http_client.rs"]
 mod http_client;
 

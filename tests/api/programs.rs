@@ -1,15 +1,24 @@
 //! What programs need of the API: to repeat a request safely, to wait, to change what they have seen, to miss nothing, and to go on where a
 //! download broke off.
 
+use std::io::{Cursor, Write};
 use std::time::Duration;
 
+use crate::hand::Hand;
 use crate::http_client::http_client;
 use photonfarm::api;
 use photonfarm::farm::store::{Store, StoreLocation};
+use photonfarm::farm::wire::BUILD;
+use photonfarm::farm::wire::messages::result_request::Outcome;
 use photonfarm::farm::{CoordinatorOptions, LocalFarm};
 use reqwest::{Method, Response};
 use serde_json::{Value, json};
 
+/// Six rooms with a lamp each, and the vase that stands in one of them.
+const ROOMS: [(&str, &[u8]); 2] = [
+    ("scene.xml", include_bytes!("../../scenes/rooms/scene.xml")),
+    ("vase.ply", include_bytes!("../../scenes/rooms/vase.ply")),
+];
 const SCENE: &str = include_str!("../references/furnace-closed/scene.xml");
 
 struct Farm {
@@ -113,6 +122,8 @@ async fn an_end_can_be_waited_for() {
     };
     let (waited, _) = tokio::join!(farm.json(Method::GET, &path, &wait, None), cancel);
     assert_eq!(waited.1["state"], "cancelled");
+    let longer = farm.send(Method::GET, &path, &[("Prefer", "wait=100000")], None).await;
+    assert_eq!(header(&longer, "preference-applied"), "wait=60", "what is not done as asked is said");
 }
 
 /// Two who change the same job do not undo each other's changes unseen.
@@ -248,6 +259,95 @@ async fn downloads_go_on_where_they_broke_off() {
     assert_eq!((status, place), (416, format!("bytes */{length}")));
     let (status, _, bytes) = part("bytes=0-1,5-6", &tag).await;
     assert!(status == 200 && bytes == whole);
+}
+
+fn archive(files: &[(&str, &[u8])]) -> Vec<u8> {
+    let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in files {
+        archive.start_file(*name, zip::write::SimpleFileOptions::default()).expect("a file");
+        archive.write_all(bytes).expect("written");
+    }
+    archive.finish().expect("an archive").into_inner()
+}
+
+/// A point of the world in the picture, from (0, 0) in the upper left to (1, 1) in the lower right corner.
+fn in_picture(layout: &Value, point: [f64; 3]) -> [f64; 2] {
+    let row = |row: usize, column: usize| layout["world_to_ndc"][4 * row + column].as_f64().expect("a matrix");
+    let along = |column| row(3, column) + (0..3).map(|axis| point[axis] * row(axis, column)).sum::<f64>();
+    [along(0) / along(3), along(1) / along(3)]
+}
+
+/// What is needed to draw paths of light: where the camera looks to, and lights with names from which a path may start.
+#[tokio::test(flavor = "multi_thread")]
+async fn camera_and_lights_are_told() {
+    let farm = Farm::in_memory(0).await;
+    let scene = farm.local.client().add_scene(archive(&ROOMS)).await.expect("a scene").hash;
+    let rooms = json!({ "scene": scene, "scene_changes": { "width": 32 }, "method": "path", "stop": { "passes": 1 } });
+    let (_, job) = farm.json(Method::POST, "/v1/jobs", &[], Some(rooms.clone())).await;
+    let path = format!("/v1/jobs/{}/layout", job["id"].as_str().expect("an id"));
+    let (status, layout) = farm.json(Method::GET, &path, &[], None).await;
+    assert_eq!((status, &layout["lights_left_out"]), (200, &json!(0)), "{layout}");
+    let middle = in_picture(&layout, [0.55, 0.8, -1.6]);
+    assert!(middle.iter().all(|place| (place - 0.5).abs() < 1e-4), "{middle:?}");
+    let lights = layout["lights"].as_array().expect("a list");
+    let names: Vec<&str> = lights.iter().filter_map(|light| light["name"].as_str()).collect();
+    assert_eq!(names, ["lamp-2", "lamp-5", "lamp-4", "lamp-3", "lamp-1", "lamp-faint"], "by power");
+    assert!(
+        lights.iter().all(|light| light["kind"] == "area" && light["points"].as_array().expect("places").len() == 8)
+    );
+    // Every place of lamp-3 stands above the floor before the doorway.
+    for point in lights[3]["points"].as_array().expect("places") {
+        let paths = json!([{ "points": [point, [-0.75, 0, -3]] }]);
+        let mut job = rooms.clone();
+        (job["method"], job["parameters"]) = (json!("mlt"), json!({ "user_paths": paths }));
+        let (status, checked) = farm.json(Method::POST, "/v1/jobs/validate", &[], Some(job)).await;
+        assert_eq!(status, 200, "{point}: {checked}");
+    }
+    assert_eq!(farm.json(Method::GET, "/v1/jobs/00000000/layout", &[], None).await.0, 404);
+}
+
+/// One worker delivers nonsense and is told of; another is sent away, and a third does the rest.
+#[tokio::test(flavor = "multi_thread")]
+async fn workers_say_what_went_wrong_and_leave_when_they_are_sent_away() {
+    let farm = Farm::in_memory(1).await;
+    let workers = async || {
+        farm.json(Method::GET, "/v1/workers", &[], None).await.1["workers"].as_array().cloned().unwrap_or_default()
+    };
+    let number = |worker: &Value| worker["id"].as_str().expect("a number").to_owned();
+    let own = number(&workers().await[0]);
+    let hand = Hand::register(&farm.base, None, BUILD).await.expect("a place");
+    let (_, endless) = farm.json(Method::POST, "/v1/jobs", &[], Some(job(1_000_000))).await;
+    let lease = hand.lease().await;
+    assert_eq!(hand.deliver(&lease, Some(Outcome::Failure("out of photons".into()))).await, 200);
+    let failed = workers().await.into_iter().find(|worker| worker["name"] == "hand").expect("it is there");
+    let error = &failed["last_error"];
+    assert_eq!((&error["job"], &error["problem"]), (&endless["id"], &json!("out of photons")), "{failed}");
+    assert!(error["work"].is_string() && error["time"].as_u64().is_some_and(|time| time > 1_700_000_000), "{failed}");
+    let (status, drained) = farm.json(Method::POST, &format!("/v1/workers/{own}/drain"), &[], None).await;
+    assert_eq!((status, &drained["state"]), (200, &json!("draining")), "{drained}");
+    let gone = async {
+        while workers().await.iter().any(|worker| number(worker) == own) {
+            tokio::time::sleep(Duration::from_millis(50)).await;
+        }
+    };
+    tokio::time::timeout(Duration::from_secs(30), gone).await.expect("it leaves when it has done what it holds");
+    for unknown in [own.as_str(), "no-number"] {
+        let (status, problem) = farm.json(Method::POST, &format!("/v1/workers/{unknown}/drain"), &[], None).await;
+        assert_eq!(
+            (status, problem["type"].as_str()),
+            (404, Some("urn:photonfarm:problem:unknown-worker")),
+            "{problem}"
+        );
+    }
+    let (_, journal) = farm.json(Method::GET, "/v1/journal", &[], None).await;
+    let told = |text: &str| {
+        journal["lines"]
+            .as_array()
+            .expect("lines")
+            .iter()
+            .any(|line| line["text"].as_str().is_some_and(|line| line.contains(text)))
+    };
+    assert!(told("was told to leave by") && told(" left"), "{journal}");
 }
 
 /// The description is what programs are generated from: a change of it is looked at.

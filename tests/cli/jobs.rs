@@ -105,8 +105,18 @@ async fn a_sequence_becomes_jobs_that_share_a_tag() {
     let url = coordinator.url();
     let scene = folder.path().join("lamp.xml");
     std::fs::write(&scene, LAMP).expect("writes");
-    let submit =
-        ["submit", crate::command_line::text(&scene), "--frames", "1-3", "--passes", "2", "--seed", "5", "--tag", "night"];
+    let submit = [
+        "submit",
+        crate::command_line::text(&scene),
+        "--frames",
+        "1-3",
+        "--passes",
+        "2",
+        "--seed",
+        "5",
+        "--tag",
+        "night",
+    ];
     let ids: Vec<String> = printed(&url, &submit).lines().map(str::to_owned).collect();
     assert_eq!(ids.len(), 3, "{ids:?}");
     let tag = format!("sequence-{}", ids[0]);

@@ -500,24 +500,19 @@ async fn a_job_without_workers_says_so() {
     status.wait_for(|status| status.passes_done > 1).await.expect("the coordinator lives");
     worker.abort();
     let waits = status.wait_for(|status| status.waiting_for_workers_since.is_some());
-    let status = timeout(Duration::from_secs(10), waits).await.expect("it is noticed").expect("lives").clone();
-    assert_eq!((status.workers, status.seconds_left), (0, None));
+    let waiting = timeout(Duration::from_secs(10), waits).await.expect("it is noticed").expect("lives").clone();
+    assert_eq!((waiting.workers, waiting.seconds_left), (0, None));
     let workers = farm.handle.workers();
     assert!(workers.iter().all(|worker| worker.state == photonfarm::farm::job::WorkerState::Silent), "{workers:?}");
-    let told = || {
-        let notices = farm.handle.job(id).expect("a job").notices;
-        notices.iter().filter(|notice| notice.starts_with("No worker is connected")).count()
+    let told = |status: &JobStatus| {
+        status.notices.iter().filter(|notice| notice.starts_with("No worker is connected")).count()
     };
-    let patience = async {
-        while told() != 1 {
-            sleep(Duration::from_millis(50)).await;
-        }
-    };
-    timeout(Duration::from_secs(10), patience).await.expect("a notice");
+    // Whoever watches is told; nobody has to ask again.
+    let patience = status.wait_for(|status| told(status) == 1);
+    timeout(Duration::from_secs(10), patience).await.expect("a notice").expect("the coordinator lives");
     let (_, _worker) = farm.worker("successor", 1);
-    let mut status = farm.handle.watch(id).expect("a job");
-    status.wait_for(|status| status.waiting_for_workers_since.is_none()).await.expect("the coordinator lives");
-    assert_eq!(told(), 0, "the notice goes when a worker comes");
+    let back = status.wait_for(|status| status.waiting_for_workers_since.is_none());
+    assert_eq!(told(&*back.await.expect("the coordinator lives")), 0, "the notice goes when a worker comes");
 }
 
 /// A job that waits for memory, one job too many, and a picture that never fits.

@@ -522,6 +522,40 @@ fn a_draining_coordinator_leases_nothing_but_takes_results() {
     assert_eq!(farm.deliver(&lease, &accepted()), Answer::Take(lease));
 }
 
+/// It delivers what it holds, is given nothing more, and leaves; others do the rest.
+#[test]
+fn a_worker_that_is_drained_leaves_with_empty_hands() {
+    let (mut farm, worker) = running_farm(passes(8));
+    let lease = farm.lease(worker).expect("work");
+    assert_eq!(farm.apply(Event::WorkerDrained { worker }), Answer::Done);
+    assert!(farm.rules.deserted_since().is_some(), "nobody is left who takes work");
+    assert_eq!(farm.apply(Event::LeaseWanted { worker }), Answer::NoWork);
+    farm.pass_time(3.0);
+    assert!(farm.rules.lacks_workers());
+    assert_eq!(farm.deliver(&lease, &accepted()), Answer::Take(lease));
+    assert_eq!(farm.apply(Event::LeaseWanted { worker }), Answer::Leave);
+    let other = farm.join("other");
+    assert!(farm.rules.deserted_since().is_none() && !farm.rules.lacks_workers());
+    assert!(farm.lease(other).is_some());
+    farm.apply(Event::WorkerLeft { worker });
+    assert_eq!(farm.apply(Event::WorkerDrained { worker }), Answer::UnknownWorker);
+}
+
+/// Whoever follows a job hears that no worker is there when that is worth telling, not with the next change.
+#[test]
+fn jobs_are_told_anew_when_no_worker_came() {
+    let mut farm = Farm::new(RadiusRule::Statistics);
+    farm.add_job(1, passes(8));
+    let mut told = Vec::new();
+    for _ in 0..10 {
+        farm.pass_time(0.5);
+        if farm.last.changed.contains(&id(1)) {
+            told.push((farm.now, farm.rules.lacks_workers()));
+        }
+    }
+    assert_eq!(told, [(seconds(2.0), true)]);
+}
+
 /// Gives one worker after the other what it asks for, and delivers it, oldest first, as a worker that prefetches does. Answers how many shards
 /// of each job were merged.
 fn work_for(farm: &mut Farm, workers: &[WorkerId], rounds: usize) -> BTreeMap<JobId, usize> {

@@ -1,5 +1,6 @@
 """A coordinator and workers of the program under test, and what the tests ask of them by REST."""
 
+import io
 import json
 import socket
 import subprocess
@@ -7,6 +8,7 @@ import tempfile
 import time
 import urllib.error
 import urllib.request
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -33,6 +35,9 @@ def wait_until(holds, what, seconds=30):
 class Farm:
     """A coordinator that keeps everything in memory. It can be stopped and started again at the same address."""
 
+    # Where it listens; it is called at 127.0.0.1.
+    listen = "127.0.0.1"
+
     def __init__(self, program, *options):
         self.program = program
         self.options = options
@@ -44,7 +49,7 @@ class Farm:
         self.start()
 
     def start(self):
-        command = [self.program, "serve", "--listen", f"127.0.0.1:{self.port}", "--data", "none", *self.options]
+        command = [self.program, "serve", "--listen", f"{self.listen}:{self.port}", "--data", "none", *self.options]
         self.coordinator = subprocess.Popen(command, stderr=self.log)
         wait_until(self.is_ready, "the coordinator is not ready")
 
@@ -92,7 +97,7 @@ class Farm:
         return self.ask(f"/v1/jobs/{job}")
 
     def submit(self, name, passes=4, size=64, method="sppm", scene=SCENE, **further):
-        scene = self.ask("/v1/scenes", scene.read_bytes())["hash"]
+        scene = self.ask("/v1/scenes", archive(scene) if scene.is_dir() else scene.read_bytes())["hash"]
         stop = further.pop("stop", {"passes": passes})
         job = {"scene": scene, "name": name, "method": method, "stop": stop, "scene_changes": {"width": size}, **further}
         return self.ask("/v1/jobs", job)["id"]
@@ -106,3 +111,64 @@ class Farm:
 
     def wait(self, job, state="done"):
         return wait_until(lambda: (self.job(job)["state"] == state) and self.job(job), f"job {job} is not {state}", 60)
+
+
+def archive(folder):
+    """A zip archive of what is in a folder."""
+    packed = io.BytesIO()
+    with zipfile.ZipFile(packed, "w") as files:
+        for path in folder.iterdir():
+            files.write(path, path.name)
+    return packed.getvalue()
+
+
+class Hand:
+    """A worker made by hand, which says what a real one would not. It speaks protobuf, of which it knows as much as it needs."""
+
+    def __init__(self, farm, name):
+        self.farm = farm
+        self.secret = None
+        build = farm.ask("/version")["build"]
+        self.secret = fields(self.post("register", text(1, name) + b"\x10\x01" + text(3, build)))[3].decode()
+
+    def fail(self, problem):
+        """Takes some work and says that it cannot be done."""
+        lease = fields(fields(self.post("lease", b""))[1])
+        self.post(f"leases/{lease[1]}/{lease[2]}/result", text(3, problem))
+
+    def post(self, path, body):
+        headers = {"Authorization": f"Bearer {self.secret}"} if self.secret else {}
+        request = urllib.request.Request(f"{self.farm.address}/farm/v1/{path}", body, headers, method="POST")
+        with urllib.request.urlopen(request, timeout=30) as answer:
+            return answer.read()
+
+
+def text(number, value):
+    """A field of up to 127 bytes."""
+    return bytes([number << 3 | 2, len(value.encode())]) + value.encode()
+
+
+def fields(message):
+    """The fields of a message by their numbers: integers, and bytes."""
+    found, at = {}, 0
+
+    def integer():
+        nonlocal at
+        value = shift = 0
+        while True:
+            byte = message[at]
+            at += 1
+            value |= (byte & 127) << shift
+            shift += 7
+            if byte < 128:
+                return value
+
+    while at < len(message):
+        key = integer()
+        if key & 7 == 0:
+            found[key >> 3] = integer()
+        else:
+            length = integer()
+            found[key >> 3] = message[at:at + length]
+            at += length
+    return found

@@ -108,7 +108,7 @@ def test_g_assistive_technology_finds_everything(farm, browser, open_page):
         context = browser.new_context(viewport={"width": 1600, "height": 900}, color_scheme=scheme)
         page = open_page(farm, f"#/jobs/{farm.done}", context.new_page())
         wait_for_picture(page)
-        for tab in ("look", "compare", "charts", "details", "journal"):
+        for tab in ("look", "compare", "paths", "charts", "details", "journal"):
             page.locator(f"#tab-{tab}").click()
             assert_accessible(page, f"{scheme} {tab}")
         for view in ("submit", "workers"):

@@ -1,5 +1,7 @@
 """The pictures of docs/PAGE.md, written when they are asked for by --screenshots."""
 
+import json
+
 from playwright.sync_api import expect
 
 from farm import ROOT, Farm
@@ -38,7 +40,7 @@ def test_screenshots(program, browser, open_page, picture_folder):
     finally:
         farm.stop()
     sizes = {file.name: file.stat().st_size for file in picture_folder.glob("*.png")}
-    assert len(sizes) == 8 and max(sizes.values()) < 300_000, sizes
+    assert len(sizes) == 9 and max(sizes.values()) < 300_000, sizes
 
 
 def fill(farm):
@@ -49,6 +51,9 @@ def fill(farm):
         jobs[name] = farm.submit(name, passes=24, size=160, scene=path, tags=["dailies"])
     glass = ROOT / "scenes/cornell-glass-mirror/scene.xml"
     jobs["second"] = farm.submit("glass and mirror, vcm", passes=24, size=160, method="vcm", scene=glass, tags=["dailies"])
+    paths = json.loads((ROOT / "scenes/rooms/user-paths.json").read_text())[:6]
+    rooms = {"scene": ROOT / "scenes/rooms", "parameters": {"user_paths": paths}}
+    jobs["rooms"] = farm.submit("rooms, with paths", passes=48, size=104, method="mlt", tags=["dailies"], **rooms)
     jobs["running"] = farm.submit("box to an error", size=176, stop={"error": 0.0002}, tags=["night"])
     farm.wait(jobs["second"])
     for job in jobs.values():
@@ -88,3 +93,15 @@ def show_pictures(page, farm, jobs, save):
     expect(page.locator("#errors")).to_contain_text("relMSE")
     point_at(page, (160, 160), 60, 120)
     save("comparison")
+    show_paths(page, farm, jobs["rooms"])
+    save("paths")
+
+
+def show_paths(page, farm, job):
+    open_job(page, farm, job)
+    wait_for_picture(page)
+    page.locator("#tab-paths").click()
+    page.locator("#path-3-2-place").fill("-1.975, 1.2, -0.6")
+    page.locator("#path-3-2-place").press("Tab")
+    page.locator("#paths-check").click()
+    page.get_by_text("Refused:").scroll_into_view_if_needed()

@@ -7,7 +7,7 @@ import urllib.request
 import pytest
 from playwright.sync_api import expect
 
-from farm import ROOT, wait_until
+from farm import ROOT, Hand, wait_until
 from looks import open_job, wait_for_picture
 
 FOLDER = ROOT / "src/api/dashboard"
@@ -39,6 +39,24 @@ def test_workers_are_told_as_they_come_and_go(own_farm, open_page):
     wait_until(lambda: rate.inner_text() not in ("–", "0"), "no speed")
     page.reload()
     expect(page.locator("#farm-journal")).to_contain_text("joined")
+
+
+def test_what_went_wrong_is_told_and_a_worker_is_sent_away(own_farm, open_page):
+    hand = Hand(own_farm, "clumsy")
+    job = own_farm.submit("work", passes=100_000, size=32)
+    hand.fail("out of photons")
+    own_farm.start_worker()
+    page = open_page(own_farm, "#/workers")
+    rows = page.locator("#workers-rows tr")
+    expect(rows).to_have_count(2)
+    clumsy, other = (page.locator("#workers-rows tr", has=page.get_by_role("rowheader", name=name)) for name in ("clumsy", "worker"))
+    expect(clumsy).to_contain_text(f"pilot of job {job}: out of photons")
+    expect(other).to_contain_text("working")
+    other.get_by_role("button", name="Send away").click()
+    page.get_by_role("dialog").get_by_role("button", name="Send away").click()
+    expect(rows).to_have_count(1, timeout=20000)
+    assert own_farm.workers[0].wait(10) == 0
+    expect(page.locator("#workers-summary")).to_contain_text("1 worker")
 
 
 def test_charts_draw_the_history(farm, open_page):

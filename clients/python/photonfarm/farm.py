@@ -11,13 +11,13 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, TypedDict
 
-from pydantic import BaseModel
 from typing_extensions import Unpack
 
 from .connection import Connection, Model, Request
 from .errors import FarmError, found_here
 from .event_stream import ServerEvent, follow
 from .generated.models import (
+    DeletedJob,
     JobList,
     JobState,
     Journal,
@@ -27,6 +27,7 @@ from .generated.models import (
     Me,
     MethodList,
     MethodView,
+    SceneChanges,
     SceneList,
     SceneSummary,
     SceneView,
@@ -48,7 +49,7 @@ class JobOptions(TypedDict, total=False):
     method: str
     parameters: Mapping[str, Any]
     stop: Stop
-    scene_changes: Mapping[str, Any]
+    scene_changes: SceneChanges | Mapping[str, Any]
     cut: Mapping[str, Any]
     seed: int
     name: str
@@ -126,7 +127,7 @@ class Farm:
         """Submits a job.
 
         Args:
-            scene: what `upload` gave, its hash, a path to upload, or a scene as a dictionary.
+            scene: what `upload` gave, its hash, a path to upload, or a scene itself, as a dictionary or as XML that begins with `<`.
             idempotency_key: by which the coordinator knows the job again; the same key later, from another process too, gives the same job.
                 One is made for each call, so that a request that is sent again never makes a second job.
             wait: answers when the job has ended, but after so many seconds at most, up to 60.
@@ -163,6 +164,11 @@ class Farm:
         """The workers."""
         return self._get(WorkerList, "/v1/workers").workers
 
+    def drain(self, worker: WorkerStatus | str) -> WorkerStatus:
+        """Gives a worker no further work: it delivers what it holds and leaves. For admins."""
+        id = worker if isinstance(worker, str) else worker.id
+        return self.connection.ask(WorkerStatus, Request("POST", f"/v1/workers/{id}/drain", is_repeatable=True))
+
     def scenes(self) -> Sequence[SceneSummary]:
         """The scenes that were uploaded."""
         return self._get(SceneList, "/v1/scenes").scenes
@@ -194,7 +200,7 @@ class Farm:
 
     def _submission(self, scene: Scene, options: JobOptions) -> dict[str, object]:
         fields = given(**options)
-        if isinstance(scene, Mapping):
+        if isinstance(scene, Mapping) or (isinstance(scene, str) and scene.lstrip().startswith("<")):
             return fields | {"scene_inline": scene}
         if isinstance(scene, SceneSummary):
             return fields | {"scene": scene.hash}
@@ -211,12 +217,6 @@ class Farm:
                 return FarmEvent(event.name, self.connection.read(DeletedJob, event.data).id, None, event.id)
             case _:
                 return FarmEvent(event.name, None, None, event.id)
-
-
-class DeletedJob(BaseModel):
-    """What a `deleted` event carries; the OpenAPI document does not describe it."""
-
-    id: str
 
 
 def token_of_environment() -> str | None:

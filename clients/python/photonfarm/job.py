@@ -7,16 +7,17 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
 
 from . import pictures, progress
 from .connection import ANSWER_PATIENCE, Connection, Request
 from .errors import found_here
 from .event_stream import follow
-from .generated.models import JobView, StopRule
+from .generated.models import JobView, Layout, StopRule
 
 FINAL_STATES = ("done", "failed", "cancelled")
 # The longest that a coordinator keeps a request waiting.
@@ -26,6 +27,8 @@ PROGRESS_INTERVAL = 1
 
 Progress = Callable[[JobView], object]
 Stop = StopRule | Mapping[str, Any]
+Exposure = float | Literal["auto"]
+Tone = Literal["linear", "filmic", "agx"]
 
 
 class Job:
@@ -101,10 +104,12 @@ class Job:
         stop: Stop | None = None,
         seed: int | None = None,
         name: str | None = None,
+        tags: Sequence[str] | None = None,
+        priority: int | None = None,
         idempotency_key: str | None = None,
     ) -> Job:
         """Submits a copy with some differences; what is left out is as it was submitted."""
-        changes = given(method=method, parameters=parameters, stop=stop, seed=seed, name=name)
+        changes = given(method=method, parameters=parameters, stop=stop, seed=seed, name=name, tags=tags, priority=priority)
         return submitted(self._connection, self._path("/clone"), changes, idempotency_key)
 
     def change(self, *, name: str | None = None, tags: Sequence[str] | None = None, priority: int | None = None) -> JobView:
@@ -133,20 +138,34 @@ class Job:
         query = {"layers": ",".join(layers) or None}
         return self._connection.bytes(Request("GET", self._path("/image.exr"), query, is_repeatable=True))
 
-    def png(self, exposure: float | None = None) -> bytes:
+    def png(self, exposure: Exposure | None = None, *, tone: Tone | None = None, bits: int | None = None) -> bytes:
         """The picture so far as a PNG file to look at, brighter by `exposure` stops."""
-        return self._connection.bytes(Request("GET", self._path("/image.png"), {"exposure": exposure}, is_repeatable=True))
+        return self._display("png", exposure=exposure, tone=tone, bits=bits)
 
-    def save(self, path: str | PathLike[str], *, layers: Sequence[str] = (), exposure: float | None = None) -> Path:
-        """Writes the picture so far to an .exr file, with `layers`, or to a .png file, with `exposure`."""
+    def jpg(self, exposure: Exposure | None = None, *, tone: Tone | None = None, quality: int | None = None) -> bytes:
+        """The same as a JPEG file; `quality` is 1 to 100."""
+        return self._display("jpg", exposure=exposure, tone=tone, quality=quality)
+
+    def webp(self, exposure: Exposure | None = None, *, tone: Tone | None = None) -> bytes:
+        """The same as a WebP file without loss."""
+        return self._display("webp", exposure=exposure, tone=tone)
+
+    def layout(self) -> Layout:
+        """Where the camera and the lights of its scene stand."""
+        return self._connection.ask(Layout, Request("GET", self._path("/layout"), is_repeatable=True))
+
+    def save(
+        self, path: str | PathLike[str], *, layers: Sequence[str] = (), exposure: Exposure | None = None, tone: Tone | None = None
+    ) -> Path:
+        """Writes the picture so far to an .exr file, with `layers`, or to a .png, .jpg or .webp file, with `exposure` and `tone`."""
         place = Path(fspath(path))
         match place.suffix.lower():
-            case ".exr" if exposure is None:
+            case ".exr" if exposure is None and tone is None:
                 content = self.exr(layers)
-            case ".png" if not layers:
-                content = self.png(exposure)
+            case ".png" | ".jpg" | ".jpeg" | ".webp" as ending if not layers:
+                content = self._display(ending.removeprefix(".").replace("jpeg", "jpg"), exposure=exposure, tone=tone)
             case _:
-                remedy = "name it .exr, which may have layers, or .png, which may have an exposure"
+                remedy = "name it .exr, which may have layers, or .png, .jpg or .webp, which may have an exposure and a tone"
                 raise found_here("bad-file", f"\"{place}\" cannot be written so", remedy)
         # A program that is killed while it writes leaves no half picture under the name that others read.
         part = place.with_name(f".{place.name}.part")
@@ -156,6 +175,9 @@ class Job:
         except OSError as problem:
             raise found_here("bad-file", f"cannot write \"{place}\": {problem.strerror}", "check the folder and the permissions") from problem
         return place
+
+    def _display(self, form: str, **query: object) -> bytes:
+        return self._connection.bytes(Request("GET", self._path(f"/image.{form}"), query, is_repeatable=True))
 
     def _path(self, rest: str = "") -> str:
         return f"/v1/jobs/{self.id}{rest}"
@@ -188,7 +210,7 @@ def preference(wait: int | None) -> dict[str, str]:
 
 def plain(value: object) -> object:
     """A value as JSON takes it."""
-    return value.model_dump(exclude_none=True) if isinstance(value, StopRule) else value
+    return value.model_dump(exclude_none=True) if isinstance(value, BaseModel) else value
 
 
 def given(**fields: object) -> dict[str, object]:

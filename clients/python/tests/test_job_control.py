@@ -65,8 +65,9 @@ def test_a_deleted_job_is_gone(farm: Farm) -> None:
 
 def test_a_clone_differs_as_asked(farm: Farm) -> None:
     job = farm.submit(BOX, stop={"passes": 2}, wait=60, **SMALL)
-    clone = job.clone(seed=1, name="another", stop={"passes": 3}, parameters={"photons_per_pass": 2048})
+    clone = job.clone(seed=1, name="another", tags=["copy"], priority=7, stop={"passes": 3}, parameters={"photons_per_pass": 2048})
     view = clone.wait()
+    assert (view.tags, view.priority) == (["copy"], 7)
     assert (view.seed, view.name, view.passes_done, view.parameters["photons_per_pass"]) == (1, "another", 3, 2048)
     assert view.scene == job.known.scene
     assert not np.array_equal(clone.picture(), job.picture())

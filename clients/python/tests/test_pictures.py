@@ -66,16 +66,27 @@ def test_files_to_look_at(box: Job, tmp_path: Path) -> None:
     assert box.save(tmp_path / "bright.png", exposure=2).read_bytes() != plain
     with OpenEXR.File(str(box.save(tmp_path / "deep.exr", layers=["depth"])), separate_channels=True) as file:
         assert "depth.Z" in file.channels()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["box.png", "bright.png", "deep.exr"]
+    assert box.save(tmp_path / "box.jpeg", exposure="auto", tone="agx").read_bytes().startswith(b"\xff\xd8")
+    assert box.save(tmp_path / "box.webp").read_bytes()[8:12] == b"WEBP"
+    assert len(box.jpg(quality=5)) < len(box.jpg(quality=95))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["box.jpeg", "box.png", "box.webp", "bright.png", "deep.exr"]
+
+
+def test_lights_and_camera_are_told(box: Job) -> None:
+    layout = box.layout()
+    assert layout.world_to_ndc is not None and len(layout.world_to_ndc) == 16
+    assert layout.lights and all(len(point) == 3 for light in layout.lights for point in light.points)
 
 
 def test_what_a_file_cannot_hold_is_an_error(box: Job, tmp_path: Path) -> None:
     with pytest.raises(FarmError, match="name it .exr"):
-        box.save(tmp_path / "box.jpeg")
+        box.save(tmp_path / "box.tiff")
     with pytest.raises(FarmError, match="name it .exr"):
         box.save(tmp_path / "box.png", layers=["depth"])
     with pytest.raises(FarmError, match="name it .exr"):
         box.save(tmp_path / "box.exr", exposure=1)
+    with pytest.raises(FarmError, match="name it .exr"):
+        box.save(tmp_path / "box.exr", tone="agx")
     with pytest.raises(FarmError, match="cannot write"):
         box.save(tmp_path / "nowhere" / "box.png")
 

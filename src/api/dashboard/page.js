@@ -13,6 +13,7 @@ import { showHead } from './page/jobs/job_head.js';
 import { showJournal } from './page/jobs/journal.js';
 import { firstListed, openNeighbour, showList, startList } from './page/jobs/list.js';
 import { learnWhoIAm, showProvider, startLogin } from './page/login.js';
+import { showPaths, startPaths } from './page/paths/paths_panel.js';
 import { choose, chosenJob, hear, store, subscribe } from './page/store.js';
 import { startSubmit } from './page/submit/submit.js';
 import { changeComparison, changeLayer, showPicture, startViewer, viewer } from './page/viewer/viewer.js';
@@ -28,6 +29,8 @@ const WIDE = matchMedia('(min-width: 900px)');
 
 let route = { view: 'jobs', job: null };
 let other = null;
+// What the next job is to be compared with.
+let nextOther = null;
 let panel = 'panel-look';
 let journal = '';
 
@@ -36,7 +39,7 @@ function readRoute() {
   const [view, job] = location.hash.replace(/^#\/?/, '').split('/');
   const before = route.view;
   route = { view: VIEWS.includes(view) ? view : 'jobs', job: view === 'jobs' && job ? job : null };
-  if (route.job !== store.chosen) other = null;
+  if (route.job !== store.chosen) [other, nextOther] = [nextOther, null];
   choose(route.job);
   if (route.view !== before) element('main').focus({ preventScroll: true });
   if (route.view === 'workers') showJournal(element('farm-journal'));
@@ -80,6 +83,7 @@ function showJobs(jobs) {
   const isGone = route.job && store.connection.state === 'live';
   setText(element('gone'), isGone ? `There is no job ${route.job} here, or not any more. ` : '');
   showPicture(job ?? null, jobs.get(other));
+  showPaths(panel === 'panel-paths' && job ? job : null);
   document.title = job ? `${job.name ?? job.id}: ${job.state} – photonfarm` : 'photonfarm';
   if (!job) return;
   showHead(job);
@@ -112,6 +116,15 @@ function compareWith(id) {
   show();
 }
 
+// Shows a job and its difference from another.
+function openComparison(job, beside) {
+  nextOther = beside;
+  changeComparison({ mode: 'difference' });
+  element('tab-compare').click();
+  if (job === store.chosen) compareWith(beside);
+  else openJob(job);
+}
+
 async function start() {
   startList(openJob);
   startActions(openJob);
@@ -119,6 +132,7 @@ async function start() {
   startViewer();
   startControls(changeLayer);
   startComparison({ compareWith, change: changeComparison, current: () => viewer });
+  startPaths({ compare: openComparison });
   startTabs(element('panel-tabs'), shown => {
     [panel, journal] = [shown, ''];
     show();

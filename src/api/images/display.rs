@@ -14,6 +14,7 @@ use crate::api::ApiState;
 use crate::api::extract::{PathValue, QueryValues, parse_job};
 use crate::api::problem::Problem;
 use crate::api::ranges::image;
+use crate::api::schemas::Bytes;
 use crate::estimate::picture_files::{
     Display, DisplayFormat, Exposure, JPEG_QUALITY, MOST_JPEG_QUALITY, ToneCurve, encode_display,
 };
@@ -115,9 +116,9 @@ pub fn routes() -> OpenApiRouter<ApiState> {
     get, path = "/jobs/{id}/image.png", tag = "images",
     params(("id" = String, Path, description = "The job's id"), PngQuery),
     responses(
-        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/png",
+        (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/png",
             headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/png"),
+        (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/png"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
@@ -146,9 +147,9 @@ pub async fn image_png(
     get, path = "/jobs/{id}/image.jpg", tag = "images",
     params(("id" = String, Path, description = "The job's id"), JpegQuery),
     responses(
-        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/jpeg",
+        (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/jpeg",
             headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/jpeg"),
+        (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/jpeg"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
@@ -177,9 +178,9 @@ pub async fn image_jpg(
     get, path = "/jobs/{id}/image.webp", tag = "images",
     params(("id" = String, Path, description = "The job's id"), WebpQuery),
     responses(
-        (status = 200, description = "The picture so far", body = Vec<u8>, content_type = "image/webp",
+        (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/webp",
             headers(("ETag" = String))),
-        (status = 206, description = "The part of it that Range names", body = Vec<u8>, content_type = "image/webp"),
+        (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/webp"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),

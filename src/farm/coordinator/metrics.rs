@@ -49,7 +49,7 @@ impl Shared {
             let live = state.rules.jobs().filter(|(_, job)| !job.has_ended());
             let live = live.filter_map(|(id, _)| state.jobs.get(&id));
             let jobs: Vec<JobStatus> = live.map(|job| state.status(job, &self.clock)).collect();
-            let workers = state.workers(now, self.options.lease_duration);
+            let workers = state.workers(&self.clock, self.options.lease_duration);
             (workers, jobs, state.rules.work_waiting(), state.rules.leases().active().count())
         };
         let mut registry = Registry::with_prefix(PREFIX);
@@ -84,7 +84,7 @@ fn register_number(registry: &mut Registry, name: &str, help: &str, value: f64) 
 
 fn register_workers(registry: &mut Registry, workers: &[WorkerStatus]) {
     let (by_state, threads) = (Gauges::default(), Gauges::default());
-    for state in [WorkerState::Idle, WorkerState::Working, WorkerState::SetAside, WorkerState::Silent] {
+    for state in WorkerState::ALL {
         let labels = vec![("state", state.name().to_owned())];
         let such = workers.iter().filter(|worker| worker.state == state);
         by_state.get_or_create(&labels).set(such.clone().count() as i64);

@@ -10,7 +10,7 @@
 //! | `shared` | events go in, effects are carried out |
 //! | `scenes`, `jobs`, `control` | what users ask for, one `turn` after the other |
 //! | [`members`], [`tokens`] | who they are, and what they may do |
-//! | `results` | what workers deliver |
+//! | `results`, `workers` | what workers deliver, and how they are sent away |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
 //! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
 //! | [`request`], `status` | what users say and are told |
@@ -46,6 +46,7 @@ mod status;
 pub mod tokens;
 mod turn;
 mod viewed;
+mod workers;
 
 use std::ops::Bound;
 use std::sync::Arc;
@@ -59,7 +60,7 @@ pub use jobs::JobChanges;
 pub use limits::{FaultHooks, Limits, UserLimits};
 pub use options::CoordinatorOptions;
 pub(super) use results::{Delivered, Delivery, Payload};
-pub use scene_record::SceneSummary;
+pub use scene_record::{SceneLayout, SceneSummary};
 pub use scenes::SceneUpload;
 pub(super) use shared::{JobRecord, Shared, blocking};
 
@@ -130,6 +131,14 @@ impl CoordinatorHandle {
     /// The camera of an uploaded scene, where it stands somewhere.
     pub fn camera(&self, hash: &str) -> Result<Option<CameraMatrices>, FarmError> {
         self.shared.scene(hash).map(|scene| scene.camera)
+    }
+
+    /// Where the camera and the lights of an uploaded scene stand.
+    ///
+    /// # Errors
+    /// [`FarmError::Busy`] while too many scenes are taken in: what has to be prepared counts as one of them.
+    pub async fn layout(&self, hash: &str, caller: &Caller) -> Result<SceneLayout, FarmError> {
+        self.shared.layout(hash, caller.name()).await
     }
 
     /// All uploaded scenes, by hash.
@@ -302,7 +311,12 @@ impl CoordinatorHandle {
 
     /// All workers that are registered, in the order in which they came.
     pub fn workers(&self) -> Vec<WorkerStatus> {
-        self.shared.lock().workers(self.shared.clock.now(), self.shared.options.lease_duration)
+        self.shared.lock().workers(&self.shared.clock, self.shared.options.lease_duration)
+    }
+
+    /// Gives a worker no further work; it leaves when it has done what it holds. Answers how it is doing.
+    pub fn drain_worker(&self, caller: &Caller, id: &str) -> Result<WorkerStatus, FarmError> {
+        self.shared.drain_worker(caller, id)
     }
 
     /// Takes no new jobs and gives no new leases; shards that are being traced may finish.

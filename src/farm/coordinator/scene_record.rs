@@ -8,6 +8,7 @@ use crate::farm::access::user::UserName;
 use crate::method::SceneTraits;
 use crate::scene::Integrator;
 use crate::scene::camera::CameraMatrices;
+use crate::scene::light::Whereabouts;
 
 /// A scene that was uploaded, checked and prepared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, utoipa::ToSchema)]
@@ -28,6 +29,15 @@ pub struct SceneSummary {
     pub integrator: Option<String>,
     /// Things the user should know, one sentence each.
     pub notices: Vec<String>,
+}
+
+/// Where the camera and the lights of a scene stand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneLayout {
+    /// The camera, where it stands somewhere.
+    pub camera: Option<CameraMatrices>,
+    /// The lights that have a place, those of most power first.
+    pub lights: Vec<Whereabouts>,
 }
 
 /// What the coordinator knows of a scene. Its bytes are in the store.

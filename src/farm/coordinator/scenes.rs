@@ -8,7 +8,7 @@ use bytes::Bytes;
 use tokio::sync::OwnedSemaphorePermit;
 
 use super::quotas::OwnUpload;
-use super::scene_record::{SceneRecord, SceneSummary};
+use super::scene_record::{SceneLayout, SceneRecord, SceneSummary};
 use super::shared::{Shared, blocking};
 use crate::farm::access::user::UserName;
 use crate::farm::error::FarmError;
@@ -19,6 +19,7 @@ use crate::farm::store::scenes::SceneRow;
 use crate::farm::store::{BlobName, StoreError, Upload};
 use crate::farm::wire::lease::JobDescription;
 use crate::method::{self, CheckedMethod, SceneTraits};
+use crate::scene::Scene;
 
 impl Shared {
     pub(super) fn scene(&self, hash: &str) -> Result<Arc<SceneRecord>, FarmError> {
@@ -162,12 +163,37 @@ impl Shared {
         bytes: impl Future<Output = Result<Bytes, FarmError>>,
     ) -> Result<(), FarmError> {
         let Some(method) = job.method.clone().filter(CheckedMethod::names_places) else { return Ok(()) };
+        let scene = self.prepared(&job.scene, bytes).await?;
+        blocking(move || Ok(method::check_in_scene(&method, &scene)?)).await
+    }
+
+    /// Where the camera and the lights of a scene stand.
+    pub(super) async fn layout(
+        self: &Arc<Self>,
+        hash: &str,
+        owner: Option<&UserName>,
+    ) -> Result<SceneLayout, FarmError> {
+        let slot = self.upload_slot(owner)?;
+        let scene = self.prepared(hash, self.scene_bytes(hash)).await?;
+        blocking(move || {
+            let _slot = slot;
+            let camera = scene.camera.matrices(&scene.film);
+            Ok(SceneLayout { camera, lights: scene.lights.whereabouts(&scene.geometry) })
+        })
+        .await
+    }
+
+    /// A scene that can be traced; its `bytes` are asked for where this process has not prepared it lately.
+    async fn prepared(
+        &self,
+        hash: &str,
+        bytes: impl Future<Output = Result<Bytes, FarmError>>,
+    ) -> Result<Arc<Scene>, FarmError> {
         let prepare = async {
             let bytes = bytes.await?;
             blocking(move || Ok(Arc::new(prepare_scene(&bytes)?))).await
         };
-        let scene = self.options.scenes.get_or_prepare(&job.scene, prepare).await?;
-        blocking(move || Ok(method::check_in_scene(&method, &scene)?)).await
+        self.options.scenes.get_or_prepare(hash, prepare).await
     }
 
     /// Takes the scenes of the store over.

@@ -7,14 +7,12 @@ use super::shared::{JobFacts, JobRecord, State};
 use crate::estimate::error::CONFIDENCE;
 use crate::estimate::{self, ErrorEstimate, ProposalCount};
 use crate::farm::ids::WorkerId;
-use crate::farm::job::{Acceptance, EstimatedError, JobState, JobStatus, WorkerState, WorkerStatus};
+use crate::farm::job::{Acceptance, EstimatedError, JobState, JobStatus, LastError, WorkerState, WorkerStatus};
 use crate::farm::locks::lock;
 use crate::farm::method_choice::AUTO;
-use crate::farm::rules::roster::WorkerRecord;
+use crate::farm::rules::roster::{self, WorkerRecord};
 use crate::farm::rules::terms::MeasuredError;
 
-/// For how long no worker may be there before jobs say so in their notices: those of a farm that starts are on their way.
-const PATIENCE: Duration = Duration::from_secs(2);
 /// What a job says for as long as no worker is there.
 const NO_WORKER: &str = "No worker is connected: the job waits until one joins (photonfarm worker).";
 
@@ -35,7 +33,7 @@ impl State {
         workers.dedup();
         let waits = !progress.has_ended() && progress.state != JobState::Paused;
         let deserted = self.rules.deserted_since().filter(|_| waits);
-        let no_worker = deserted.filter(|since| now.saturating_sub(*since) >= PATIENCE).map(|_| NO_WORKER.to_owned());
+        let no_worker = (waits && self.rules.lacks_workers()).then(|| NO_WORKER.to_owned());
         JobStatus {
             state: progress.state,
             error: progress.error.clone(),
@@ -60,30 +58,43 @@ impl State {
         }
     }
 
-    /// All workers at `now`.
-    pub(super) fn workers(&self, now: Duration, silence: Duration) -> Vec<WorkerStatus> {
-        let status = |(id, worker): (WorkerId, &WorkerRecord)| {
-            let leases = self.rules.leases().of_worker(id).count() as u32;
-            let idle = now.saturating_sub(worker.last_heard);
-            let set_aside = worker.set_aside(now).map(str::to_owned);
-            let state = match (idle >= silence, &set_aside, leases) {
-                (true, _, _) => WorkerState::Silent,
-                (_, Some(_), _) => WorkerState::SetAside,
-                (_, None, 0) => WorkerState::Idle,
-                (_, None, _) => WorkerState::Working,
-            };
-            WorkerStatus {
-                id: id.to_string(),
-                name: worker.name.clone(),
-                state,
-                threads: worker.threads,
-                shards_done: worker.shards_done,
-                leases,
-                idle_seconds: idle.as_secs_f64(),
-                set_aside,
-            }
+    /// All workers now.
+    pub(super) fn workers(&self, clock: &Clock, silence: Duration) -> Vec<WorkerStatus> {
+        self.rules.roster().iter().map(|(id, worker)| self.worker(id, worker, clock, silence)).collect()
+    }
+
+    fn worker(&self, id: WorkerId, worker: &WorkerRecord, clock: &Clock, silence: Duration) -> WorkerStatus {
+        let now = clock.now();
+        let leases = self.rules.leases().of_worker(id).count() as u32;
+        let idle = now.saturating_sub(worker.last_heard);
+        let set_aside = worker.set_aside(now).map(str::to_owned);
+        let state = match (&set_aside, leases) {
+            _ if idle >= silence => WorkerState::Silent,
+            _ if worker.is_draining => WorkerState::Draining,
+            (Some(_), _) => WorkerState::SetAside,
+            (None, 0) => WorkerState::Idle,
+            (None, _) => WorkerState::Working,
         };
-        self.rules.roster().iter().map(status).collect()
+        WorkerStatus {
+            id: id.to_string(),
+            name: worker.name.clone(),
+            state,
+            threads: worker.threads,
+            shards_done: worker.shards_done,
+            leases,
+            idle_seconds: idle.as_secs_f64(),
+            set_aside,
+            last_error: worker.last_error.as_ref().map(|error| last_error(error, clock)),
+        }
+    }
+}
+
+fn last_error(error: &roster::LastError, clock: &Clock) -> LastError {
+    LastError {
+        job: error.job.to_string(),
+        work: error.work.to_string(),
+        problem: error.problem.clone(),
+        time: clock.unix(error.at).as_secs(),
     }
 }
 

@@ -3,7 +3,7 @@
 //! | request | answers |
 //! |---|---|
 //! | `POST register` | 200 with a secret; 401 and 403 without a token for workers, where there are users; 409 when the worker is of another build |
-//! | `POST lease` | 200 with a lease, or without one after some seconds |
+//! | `POST lease` | 200 with a lease, without one after some seconds, or saying that the worker is to leave |
 //! | `POST heartbeat`, `POST release` | 200 |
 //! | `POST leases/{lease}/{fencing}/result` | 200, also when it came before; 409 when the lease is not the worker's any more; 422 when refused |
 //! | `GET scenes/{hash}` | 200; 404 |
@@ -131,12 +131,13 @@ async fn lease(
         work.mark_unchanged();
         match shared.apply(Event::LeaseWanted { worker }) {
             Answer::UnknownWorker => return Err(Problem::unknown_worker()),
-            Answer::Draining => return Ok(written(&LeaseResponse { lease: None, drain: true })),
+            Answer::Draining => return Ok(written(&LeaseResponse { drain: true, ..LeaseResponse::default() })),
+            Answer::Leave => return Ok(written(&LeaseResponse { leave: true, ..LeaseResponse::default() })),
             Answer::Granted(lease) => {
                 let lease = wire::lease::encode_lease(&granted(shared, &lease)?);
-                return Ok(written(&LeaseResponse { lease: Some(lease), drain: false }));
+                return Ok(written(&LeaseResponse { lease: Some(lease), ..LeaseResponse::default() }));
             }
-            _ if Instant::now() >= deadline => return Ok(written(&LeaseResponse { lease: None, drain: false })),
+            _ if Instant::now() >= deadline => return Ok(written(&LeaseResponse::default())),
             _ => {
                 let check = Instant::now() + LEASE_CHECK;
                 let _ = timeout_at(check.min(deadline), work.changed()).await;

@@ -125,6 +125,11 @@ pub enum Event {
         /// What it gives back.
         leases: Vec<LeaseId>,
     },
+    /// A worker is to get no further work, and to leave when it has done what it holds.
+    WorkerDrained {
+        /// The worker.
+        worker: WorkerId,
+    },
     /// A worker leaves for good.
     WorkerLeft {
         /// The worker.
@@ -175,6 +180,8 @@ pub enum Answer {
     NoWork,
     /// The coordinator is shutting down.
     Draining,
+    /// There will be nothing to do any more: leave.
+    Leave,
     /// Register first.
     UnknownWorker,
     /// The heartbeat was received.

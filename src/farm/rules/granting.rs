@@ -92,7 +92,11 @@ impl Rules {
             return Answer::Draining;
         }
         let held = self.leases.of_worker(worker).count();
-        let is_set_aside = self.roster.get(worker).is_some_and(|record| record.set_aside(now).is_some());
+        let record = self.roster.get(worker);
+        if record.is_some_and(|record| record.is_draining) {
+            return if held == 0 { Answer::Leave } else { Answer::NoWork };
+        }
+        let is_set_aside = record.is_some_and(|record| record.set_aside(now).is_some());
         if is_set_aside || held >= LEASES_PER_WORKER {
             return Answer::NoWork;
         }

@@ -41,6 +41,9 @@ const SILENT_LEASES: u32 = 4;
 /// A share of a lease duration without an event means that the coordinator itself was stopped.
 const STALL_SHARE: u32 = 3;
 
+/// For how long no worker may be there before jobs say so: those of a farm that starts are on their way.
+const PATIENCE: Duration = Duration::from_secs(2);
+
 /// Limits of the rules.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RulesOptions {
@@ -74,6 +77,7 @@ pub struct Rules {
     served: u64,
     last_event: Duration,
     deserted_since: Option<Duration>,
+    lacks_workers: bool,
     is_draining: bool,
     pending: Pending,
 }
@@ -100,6 +104,7 @@ impl Rules {
             served: 0,
             last_event: Duration::ZERO,
             deserted_since: None,
+            lacks_workers: false,
             is_draining: false,
             pending: Pending::default(),
         }
@@ -143,6 +148,7 @@ impl Rules {
             Event::LeaseWanted { worker } => self.grant(now, worker),
             Event::HeartbeatCame { worker, leases } => self.keep_alive(now, worker, &leases),
             Event::LeasesReleased { worker, leases } => self.release(now, worker, &leases),
+            Event::WorkerDrained { worker } => self.drain(now, worker),
             Event::WorkerLeft { worker } => self.leave(now, worker),
             Event::ResultCame { worker, lease, fencing, outcome } => self.result(now, worker, lease, fencing, &outcome),
             Event::TimePassed => self.pass_time(now),
@@ -182,6 +188,11 @@ impl Rules {
     /// Since when no worker is there that could take work.
     pub fn deserted_since(&self) -> Option<Duration> {
         self.deserted_since
+    }
+
+    /// Whether no worker is there for so long that jobs say so.
+    pub fn lacks_workers(&self) -> bool {
+        self.lacks_workers
     }
 
     /// Whether the outcome of a lease must come with a digest.
@@ -316,11 +327,25 @@ impl Rules {
         Answer::Done
     }
 
-    /// Notices when the last worker is gone or the first one comes.
+    fn drain(&mut self, now: Duration, worker: WorkerId) -> Answer {
+        let Some(record) = self.roster.get_mut(worker) else { return Answer::UnknownWorker };
+        record.is_draining = true;
+        // It may wait for work, and hears now that there will be none.
+        self.pending.work_appeared = true;
+        self.look_for_workers(now);
+        Answer::Done
+    }
+
+    /// Notices when the last worker is gone or the first one comes, and when that is worth telling.
     fn look_for_workers(&mut self, now: Duration) {
         let is_deserted = self.roster.is_deserted(now, self.options.lease_duration);
         if is_deserted != self.deserted_since.is_some() {
             self.deserted_since = is_deserted.then_some(now);
+            self.pending.changed.extend(self.jobs.keys());
+        }
+        let lacks_workers = self.deserted_since.is_some_and(|since| now.saturating_sub(since) >= PATIENCE);
+        if lacks_workers != self.lacks_workers {
+            self.lacks_workers = lacks_workers;
             self.pending.changed.extend(self.jobs.keys());
         }
     }

@@ -6,6 +6,7 @@ use std::time::Duration;
 use super::check::{Digest, GivenUp, Verdict};
 use super::job::Job;
 use super::lease::{Closed, Lease, Work, WorkIndex};
+use super::roster::LastError;
 use super::terms::PauseReason;
 use super::{Answer, Notice, Outcome, Rollback, Rules, SILENT_LEASES};
 use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
@@ -126,6 +127,7 @@ impl Rules {
     fn record_failure(&mut self, now: Duration, lease: Lease, problem: &str, is_own_word: bool) -> Answer {
         let (name, work) = (self.roster.name(lease.worker), lease.work.index());
         if let Some(worker) = self.roster.get_mut(lease.worker) {
+            worker.last_error = Some(LastError { job: lease.job, work, problem: problem.to_owned(), at: now });
             // A worker's own error message may well be the scene's fault; a result that does not fit is the worker's.
             let (pause, job) = if is_own_word {
                 (worker.failed(lease.job, now, problem), Some(lease.job))

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use super::lease::WorkIndex;
 use crate::farm::ids::{JobId, WorkerId};
 
 /// Failures in a row after which a worker is set aside.
@@ -50,6 +51,19 @@ impl Trust {
     }
 }
 
+/// Work that a worker could not do, or whose result was no good.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LastError {
+    /// The job.
+    pub job: JobId,
+    /// What was traced.
+    pub work: WorkIndex,
+    /// What was wrong.
+    pub problem: String,
+    /// When; time since start.
+    pub at: Duration,
+}
+
 /// What the rules know of a worker.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkerRecord {
@@ -63,6 +77,10 @@ pub struct WorkerRecord {
     pub shards_done: u64,
     /// Whether its silence was logged.
     pub is_silent: bool,
+    /// Whether it gets no further work and leaves when it has done what it holds.
+    pub is_draining: bool,
+    /// What went wrong last.
+    pub last_error: Option<LastError>,
     /// The job of the last shard that it was given.
     pub last_job: Option<JobId>,
     farm: Trust,
@@ -82,9 +100,12 @@ impl WorkerRecord {
 
     /// Whether it was heard of within `silence` and may take work of `job` at `now`.
     fn takes(&self, job: JobId, now: Duration, silence: Duration) -> bool {
-        now.saturating_sub(self.last_heard) < silence
-            && self.set_aside(now).is_none()
-            && !self.is_set_aside_for(job, now)
+        self.takes_any(now, silence) && !self.is_set_aside_for(job, now)
+    }
+
+    /// The same of work of any job.
+    fn takes_any(&self, now: Duration, silence: Duration) -> bool {
+        now.saturating_sub(self.last_heard) < silence && !self.is_draining && self.set_aside(now).is_none()
     }
 
     /// A result was taken: it is trusted again.
@@ -130,6 +151,8 @@ impl Roster {
             last_heard: now,
             shards_done: 0,
             is_silent: false,
+            is_draining: false,
+            last_error: None,
             last_job: None,
             farm: self.former.remove(name).unwrap_or_default(),
             jobs: BTreeMap::new(),
@@ -203,9 +226,7 @@ impl Roster {
 
     /// Whether nobody was heard of for `silence` who may take work.
     pub fn is_deserted(&self, now: Duration, silence: Duration) -> bool {
-        let works =
-            |worker: &WorkerRecord| now.saturating_sub(worker.last_heard) < silence && worker.set_aside(now).is_none();
-        !self.workers.values().any(works)
+        !self.workers.values().any(|worker| worker.takes_any(now, silence))
     }
 
     /// Counts `time` in which nobody could be heard as if it had not passed.

@@ -44,7 +44,7 @@ pub struct WorkerOptions {
     pub dialer: Dialer,
 }
 
-/// Works for a coordinator until `shutdown` is cancelled. Outages are waited out, with growing pauses.
+/// Works for a coordinator until `shutdown` is cancelled or the coordinator sends it away. Outages are waited out, with growing pauses.
 ///
 /// On shutdown the shard in hand is given back, so that another worker gets it at once.
 pub async fn run_worker(options: WorkerOptions, shutdown: CancellationToken) -> Result<(), WorkerError> {
@@ -68,6 +68,10 @@ pub async fn run_worker(options: WorkerOptions, shutdown: CancellationToken) -> 
         let session = Session::new(client, name, lease_duration, pool.clone(), options.scenes.clone());
         match session.run(&shutdown).await {
             SessionEnd::Shutdown => return Ok(()),
+            SessionEnd::SentAway => {
+                tracing::info!(target: EVENTS, "{} was sent away by {}", options.name, options.coordinator);
+                return Ok(());
+            }
             SessionEnd::Forgotten => tracing::info!("the coordinator forgot this worker; registering again"),
         }
     }

@@ -53,6 +53,8 @@ const DELIVERIES: usize = 2;
 pub(super) enum SessionEnd {
     /// The worker was asked to stop.
     Shutdown,
+    /// The coordinator has no further work for it.
+    SentAway,
     /// The coordinator does not know the worker any more.
     Forgotten,
 }
@@ -137,7 +139,7 @@ impl Session {
         for held in lock(&self.held).values() {
             held.cancel.store(true, Ordering::Relaxed);
         }
-        if end == SessionEnd::Shutdown {
+        if end != SessionEnd::Forgotten {
             self.leave().await;
         }
         end
@@ -155,6 +157,7 @@ impl Session {
                     // The next lease may be just as useless.
                     None => sleep(backoff.next_pause()).await,
                 },
+                Ok(LeaseResponse { leave: true, .. }) => return SessionEnd::SentAway,
                 Ok(LeaseResponse { drain: true, .. }) => sleep(DRAIN_PAUSE).await,
                 Ok(_) => backoff.reset(),
                 Err(CallError::Forgotten) => return SessionEnd::Forgotten,

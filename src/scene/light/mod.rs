@@ -20,6 +20,7 @@ pub mod sun_sky;
 pub mod surroundings;
 pub mod table;
 pub mod visibility;
+pub mod whereabouts;
 
 use glam::DVec3;
 
@@ -42,6 +43,7 @@ pub use sun_sky::SunSky;
 pub use surroundings::Surroundings;
 pub use table::{FoundLight, LightPick, LightTable};
 pub use visibility::LightVisibility;
+pub use whereabouts::Whereabouts;
 
 /// Light that may arrive at a point, before anything in between is looked at.
 #[derive(Clone, Copy, Debug)]

@@ -19,6 +19,8 @@ use crate::scene::geometry::{Geometry, Interaction, Ray};
 #[derive(Clone)]
 pub struct LightTable {
     lights: Arc<[Light]>,
+    /// What the user calls them, by index; empty where they have no names.
+    names: Arc<[String]>,
     /// What is seen and lights nothing; shapes hold [`SEEN_ONLY`] plus an index.
     seen_only: Vec<Emission>,
     by_power: Discrete,
@@ -87,6 +89,7 @@ impl LightTable {
         let few_emitters = (emitters.len() <= FEW).then_some(emitters);
         Some(Self {
             lights: lights.into(),
+            names: Arc::default(),
             seen_only: Vec::new(),
             by_emission: by_power.clone(),
             by_power,
@@ -98,6 +101,12 @@ impl LightTable {
             has_extent,
             few_emitters,
         })
+    }
+
+    /// The same table with what the user calls the lights, by index.
+    #[must_use]
+    pub fn with_names(self, names: Vec<String>) -> Self {
+        Self { names: names.into(), ..self }
     }
 
     /// The same table with what is seen and lights nothing.
@@ -136,6 +145,16 @@ impl LightTable {
     /// The lights.
     pub fn lights(&self) -> &[Light] {
         &self.lights
+    }
+
+    /// What the user calls a light; empty where it has no name.
+    pub fn name(&self, index: usize) -> &str {
+        self.names.get(index).map_or("", String::as_str)
+    }
+
+    /// What the importance of a light is computed from.
+    pub(super) fn importance(&self, index: usize) -> &LightImportance {
+        &self.importances[index]
     }
 
     /// Whether directions can hit any light by chance.

@@ -30,49 +30,75 @@ fn not_of_a_shape(node: &Node) -> SceneError {
     SceneError::new(&node.location, problem, remedy)
 }
 
+/// A shape that emits.
+pub(super) struct AreaLightShape {
+    /// Its index.
+    pub(super) shape: usize,
+    pub(super) emission: Emission,
+    /// The user's id of the shape, or empty.
+    pub(super) name: String,
+}
+
+/// Lights in the order of their table, and what the user calls them.
+#[derive(Default)]
+pub(super) struct PlacedLights {
+    lights: Vec<Light>,
+    names: Vec<String>,
+}
+
+impl PlacedLights {
+    fn push(&mut self, light: Light, name: String) {
+        self.lights.push(light);
+        self.names.push(name);
+    }
+}
+
 /// Turns the shapes that emit into lights.
 pub(super) fn place_area_lights(
     geometry: &mut Geometry,
     members: &[Vec<u32>],
-    area_lights: Vec<(usize, Emission)>,
-    lights: &mut Vec<Light>,
+    area_lights: Vec<AreaLightShape>,
+    placed: &mut PlacedLights,
 ) {
-    for (shape, emission) in area_lights {
+    for AreaLightShape { shape, emission, name } in area_lights {
         let primitives = members[shape].clone();
         if emission.along_normal {
-            lights.extend(DirectionalArea::new(emission, primitives, geometry).map(Light::DirectionalArea));
+            if let Some(light) = DirectionalArea::new(emission, primitives, geometry) {
+                placed.push(Light::DirectionalArea(light), name);
+            }
         } else if let Some(light) = AreaLight::new(emission, primitives, geometry) {
-            geometry.set_light(shape, lights.len() as u32);
-            lights.push(Light::AreaLight(light));
+            geometry.set_light(shape, placed.lights.len() as u32);
+            placed.push(Light::AreaLight(light), name);
         }
     }
 }
 
 pub(super) fn light_table(
     geometry: &Geometry,
-    mut lights: Vec<Light>,
+    mut placed: PlacedLights,
     emitters: &[&Arc<Node>],
     sensor: &Node,
     textures: &mut TextureReader<'_>,
     description: &SceneDescription,
 ) -> Result<LightTable, SceneError> {
     let surroundings = Surroundings::new(geometry.bounds());
-    if !lights.iter().all(|light| light.power().is_finite()) {
+    if !placed.lights.iter().all(|light| light.power().is_finite()) {
         return Err(too_bright(&description.root.location, "area"));
     }
     let mut night = None;
     for node in emitters {
         let light = light::read(node, surroundings, textures, &description.bundle, sensor)?;
-        if light.is_environment() && lights.iter().any(Light::is_environment) {
+        if light.is_environment() && placed.lights.iter().any(Light::is_environment) {
             return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
         }
         if !light.power().is_finite() {
             return Err(too_bright(&node.location, &node.plugin));
         }
         night = night.or_else(|| night_of(node, &light));
-        lights.push(light);
+        placed.push(light, node.id.clone());
     }
-    LightTable::new(lights, geometry).ok_or_else(|| {
+    let PlacedLights { lights, names } = placed;
+    LightTable::new(lights, geometry).map(|table| table.with_names(names)).ok_or_else(|| {
         night.unwrap_or_else(|| {
             SceneError::new(
                 &description.root.location,

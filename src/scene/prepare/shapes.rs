@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::checks::check_reach;
-use super::lights::read_area_light;
+use super::lights::{AreaLightShape, read_area_light};
 use super::{Builder, instancing};
 use crate::math::Rgb;
 use crate::scene::description::{Node, PluginClass};
@@ -33,7 +33,8 @@ impl Builder<'_> {
         }
         let (shape, geometry, emission) = self.read_shape(node)?;
         if let Some(emission) = emission {
-            self.area_lights.push((self.shapes.len(), emission));
+            let shape = self.shapes.len();
+            self.area_lights.push(AreaLightShape { shape, emission, name: node.id.clone() });
         }
         self.shapes.push((shape, geometry));
         Ok(())

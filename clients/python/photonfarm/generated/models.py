@@ -52,6 +52,17 @@ class Cut(BaseModel):
     """
 
 
+class DeletedJob(BaseModel):
+    """
+    A job that was deleted.
+    """
+
+    id: str
+    """
+    Its id.
+    """
+
+
 class EstimatedError(BaseModel):
     """
     How far a job's picture is from the truth, as its own passes tell it, without a reference. Errors are
@@ -134,6 +145,9 @@ class HistoryPoint(BaseModel):
     """
 
 
+InlineScene = TypeAliasType("InlineScene", dict[str, Any] | str)
+
+
 class JobLinks(BaseModel):
     """
     Addresses that belong to a job.
@@ -199,6 +213,48 @@ class JournalLine(BaseModel):
     worker: str | None = None
     """
     The worker that it is about.
+    """
+
+
+class LastError(BaseModel):
+    """
+    Work that a worker could not do, or whose result was no good.
+    """
+
+    job: str
+    """
+    The job's id.
+    """
+    problem: str
+    """
+    What was wrong.
+    """
+    time: Annotated[int, Field(ge=0)]
+    """
+    When, seconds since 1970.
+    """
+    work: str
+    """
+    What was traced, as `shard 12`.
+    """
+
+
+class LightView(BaseModel):
+    """
+    A light that has a place.
+    """
+
+    kind: str
+    """
+    Its plugin: `area`, `point`, `spot`, `ies` or `projector`.
+    """
+    name: str | None = None
+    """
+    What the scene calls it; left out where it has no name.
+    """
+    points: list[list[float]]
+    """
+    Where it shines from, m: of an emitting shape up to 8 places spread over it, of others the one that there is.
     """
 
 
@@ -294,10 +350,72 @@ class Problem(BaseModel):
     """
 
 
+class Reset(BaseModel):
+    """
+    Nothing but that what was known before is to be forgotten.
+    """
+
+
 Role = TypeAliasType("Role", Literal['viewer', 'artist', 'admin'])
 """
 What a user is to a farm.
 """
+
+
+class Crop(BaseModel):
+    """
+    The part of the whole picture that is rendered, pixels
+    """
+
+    model_config = ConfigDict(
+        extra='forbid',
+    )
+    height: Annotated[int, Field(ge=1)]
+    """
+    How many rows
+    """
+    width: Annotated[int, Field(ge=1)]
+    """
+    How many columns
+    """
+    x: Annotated[int, Field(ge=0)]
+    """
+    First column
+    """
+    y: Annotated[int, Field(ge=0)]
+    """
+    First row
+    """
+
+
+class SceneChanges(BaseModel):
+    """
+    What is changed of a scene; what is left out stays as the scene says
+    """
+
+    model_config = ConfigDict(
+        extra='forbid',
+    )
+    camera: str | None = None
+    """
+    The name of a camera, or its index among the scene's, from 0
+    """
+    crop: Crop | None = None
+    """
+    The part of the whole picture that is rendered, pixels
+    """
+    environment: Literal['on', 'off'] | None = None
+    """
+    Whether a white environment of radiance 1 lights the scene
+    """
+    height: Annotated[int | None, Field(ge=1)] = None
+    """
+    Height of the whole picture, pixels; alone it keeps the picture's proportions
+    """
+    width: Annotated[int | None, Field(ge=1)] = None
+    """
+    Width of the whole picture, pixels; alone it keeps the picture's proportions
+    """
 
 
 class SceneLinks(BaseModel):
@@ -473,7 +591,7 @@ class WebhookView(BaseModel):
     """
 
 
-WorkerState = TypeAliasType("WorkerState", Literal['idle', 'working', 'set_aside', 'silent'])
+WorkerState = TypeAliasType("WorkerState", Literal['idle', 'working', 'draining', 'set_aside', 'silent'])
 """
 What a worker is doing.
 """
@@ -492,6 +610,7 @@ class WorkerStatus(BaseModel):
     """
     Seconds since it was last heard of.
     """
+    last_error: LastError | None = None
     leases: Annotated[int, Field(ge=0)]
     """
     Leases it holds.
@@ -549,11 +668,16 @@ class CloneRequest(BaseModel):
     """
     Method parameters that override those of the original.
     """
+    priority: Priority | None = None
     seed: Annotated[int | None, Field(ge=0)] = None
     """
     Seed of all random numbers.
     """
     stop: StopRule | None = None
+    tags: list[str] | None = None
+    """
+    Words to find it by.
+    """
 
 
 class History(BaseModel):
@@ -657,7 +781,7 @@ class JobStatus(BaseModel):
     """
     Rises with every change of the picture; the ETag of its images.
     """
-    priority: Priority | None = None
+    priority: Priority
     """
     Its share of the farm.
     """
@@ -677,15 +801,15 @@ class JobStatus(BaseModel):
     """
     Its seed.
     """
-    shards_mismatched: Annotated[int | None, Field(ge=0)] = None
+    shards_mismatched: Annotated[int, Field(ge=0)]
     """
     Shards for which two workers returned different bits.
     """
-    shards_unchecked: Annotated[int | None, Field(ge=0)] = None
+    shards_unchecked: Annotated[int, Field(ge=0)]
     """
     Shards that were to be traced twice, but no second worker was there.
     """
-    shards_verified: Annotated[int | None, Field(ge=0)] = None
+    shards_verified: Annotated[int, Field(ge=0)]
     """
     Shards that a second worker traced to the same bits.
     """
@@ -697,15 +821,15 @@ class JobStatus(BaseModel):
     """
     Its stop rule.
     """
-    submitted: Annotated[int | None, Field(ge=0)] = None
+    submitted: Annotated[int, Field(ge=0)]
     """
     When it was submitted, seconds since 1970.
     """
-    tags: list[str] | None = None
+    tags: list[str]
     """
     Words to find it by.
     """
-    waiting_for_memory: bool | None = None
+    waiting_for_memory: bool
     """
     Whether it cannot begin because other jobs, also paused ones, hold the coordinator's memory.
     """
@@ -755,17 +879,8 @@ class JobSubmission(BaseModel):
     """
     Hash of an uploaded scene, 64 hexadecimal digits.
     """
-    scene_changes: dict[str, Any] | None = None
-    """
-    What is changed of the scene: `width`, `height` (pixels; one alone keeps the picture's proportions), `crop` (`x`, `y`,
-    `width`, `height`), `camera` (a name or an index as text), `environment` (`on` or `off`: a white environment), `time` (the
-    moment that is shown), `between_cameras` (`from`, `to`, `share` of the way). The changed scene is kept as a scene of its own.
-    """
-    scene_inline: dict[str, Any] | None = None
-    """
-    The scene itself: a dictionary as Mitsuba 3's `load_dict` takes it, or a string of Mitsuba 3 XML. It stands alone;
-    scenes that refer to files are uploaded as an archive.
-    """
+    scene_changes: SceneChanges | None = None
+    scene_inline: InlineScene | None = None
     seed: Annotated[int | None, Field(ge=0)] = None
     """
     Seed of all random numbers; 0 by default.
@@ -799,6 +914,30 @@ class Journal(BaseModel):
     lines: list[JournalLine]
     """
     Oldest first.
+    """
+
+
+class Layout(BaseModel):
+    """
+    Where the camera and the lights of a job's scene stand. Matrices go by rows, for row vectors: (x, y, z, 1) is multiplied from the left.
+    """
+
+    lights: list[LightView]
+    """
+    Lights that have a place, those of most power first, at most 500. Skies, suns and beams have none.
+    """
+    lights_left_out: Annotated[int, Field(ge=0)]
+    """
+    How many further lights have a place.
+    """
+    world_to_camera: list[float] | None = None
+    """
+    From the world to the picture's right and up and the direction of view, m; left out where the camera stands nowhere.
+    """
+    world_to_ndc: list[float] | None = None
+    """
+    From the world to the picture after division by the fourth number: (0, 0) is its upper left corner, (1, 1) its lower right one. Left out
+    where straight lines do not stay straight.
     """
 
 
@@ -1100,6 +1239,12 @@ class WorkerList(BaseModel):
     """
     By name.
     """
+
+
+FarmEvent = TypeAliasType("FarmEvent", JobView | DeletedJob | Reset)
+"""
+What an event of the stream of all jobs holds; its name says which of these.
+"""
 
 
 class IssuedToken(TokenView):

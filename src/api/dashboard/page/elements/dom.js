@@ -23,6 +23,13 @@ export function makeSvg(tag, attributes = {}, ...children) {
   return made;
 }
 
+// Puts other children into an element. Who went through the old ones by keys goes on at the one with the same id.
+export function replaceChildren(target, children) {
+  const focused = target.contains(document.activeElement) ? document.activeElement.id : '';
+  target.replaceChildren(...children);
+  if (focused) element(focused)?.focus();
+}
+
 export function setText(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }

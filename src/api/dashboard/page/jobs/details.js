@@ -8,7 +8,7 @@ import { acceptance, speed } from './progress.js';
 let shown = '';
 
 export function showDetails(job) {
-  const parameters = Object.entries(job.parameters).map(([name, value]) => [name, String(value)]);
+  const parameters = Object.entries(job.parameters).map(([name, value]) => [name, typeof value === 'object' ? JSON.stringify(value) : String(value)]);
   const tables = [
     [general(job), 'The job'],
     [parameters, `Parameters of ${job.method}`],

@@ -4,7 +4,7 @@ import { expect, send } from '../connection/api.js';
 import { element, make, setHidden, setText } from '../elements/dom.js';
 import { factsTable } from '../elements/lists.js';
 import { problemNote } from '../elements/problem_note.js';
-import { short } from '../elements/numbers.js';
+import { count, short } from '../elements/numbers.js';
 import { nameOf } from '../jobs/progress.js';
 import { layerNamed } from './layers.js';
 import { errors } from './statistics.js';
@@ -57,10 +57,10 @@ export function showComparison({ sources, comparison, layer, job, other }) {
   setHidden(element('flip-control'), comparison.mode !== 'flip');
   element('split').value = comparison.split;
   setText(element('flip'), `Shown: ${nameOf(comparison.showsOther ? other : job)}. Flip`);
-  showErrors(sources, layer);
+  showErrors(sources, layer, [job, other]);
 }
 
-function showErrors(sources, layer) {
+function showErrors(sources, layer, jobs) {
   const [one, other] = sources.map(source => source.overview);
   if (!one || !other) return;
   const key = [one.tag, other.tag].join();
@@ -70,15 +70,19 @@ function showErrors(sources, layer) {
   const side = 2 ** one.level;
   setHidden(element('measure'), side === 1);
   setText(element('errors-note'), `The other job is the reference. ${isMeasured ? measured.of : pixelsOf(side)}`);
-  const rows = [
-    ['RMSE', `${short(rmse)} ${layerNamed(layer).unit}`],
-    ['relMSE', short(relmse)],
-  ];
+  const rows = [['RMSE', `${short(rmse)} ${layerNamed(layer).unit}`], ['relMSE', short(relmse)], ...noiseRows(jobs)];
   const text = JSON.stringify(rows);
   if (text === shown) return;
   shown = text;
   element('errors').replaceChildren(factsTable(rows, 'Error against the other job'));
 }
+
+// What each job's own passes tell of its noise, as relMSE.
+const noiseRows = jobs =>
+  jobs.map(job => {
+    const error = job.estimated_error;
+    return [`Noise of ${nameOf(job)}`, error ? `${short(error.noise)} after ${count(error.passes, 'pass')}` : 'not known yet'];
+  });
 
 const pixelsOf = side => (side > 1 ? `Of means over ${side} × ${side} pixels, which are less noisy than pixels.` : 'Of every pixel.');
 

@@ -1,14 +1,18 @@
-// Pointers on the picture: drag to move, wheel and two fingers to zoom, and the line between two pictures that are compared.
+// Pointers on the picture: drag to move, wheel and two fingers to zoom, clicks, and the line between two pictures that are compared.
 
 const WHEEL_SPEED = 0.0016;
 // How near to the line a pointer takes hold of it, CSS pixels.
 const LINE_REACH = 12;
+// A pointer that went no farther while it was down did not drag, CSS pixels.
+const STILL = 4;
 
-// `actions` has: `move(distance)`, `zoom(at, factor)`, `point(at or null)`, `split(share)`, and `lineAt()`, which answers the line's x or null. All
-// in CSS pixels of the canvas.
+// `actions` has: `move(distance)`, `zoom(at, factor)`, `point(at or null)`, `click(at)`, `split(share)`, and `lineAt()`, which answers the line's x
+// or null. All in CSS pixels of the canvas.
 export function followPointer(canvas, actions) {
   const pointers = new Map();
   let holdsLine = false;
+  // Where a pointer went down that may become a click.
+  let pressed = null;
   const place = event => {
     const box = canvas.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
@@ -26,6 +30,7 @@ export function followPointer(canvas, actions) {
   canvas.addEventListener('pointerdown', event => {
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, place(event));
+    pressed = pointers.size === 1 && event.button === 0 ? place(event) : null;
     const line = actions.lineAt();
     holdsLine = pointers.size === 1 && line !== null && Math.abs(place(event).x - line) < LINE_REACH;
   });
@@ -34,13 +39,18 @@ export function followPointer(canvas, actions) {
     actions.point(at);
     const before = pointers.get(event.pointerId);
     if (!before) return;
+    if (pressed && Math.hypot(at.x - pressed.x, at.y - pressed.y) > STILL) pressed = null;
     if (holdsLine) actions.split(at.x / canvas.clientWidth);
     else if (pointers.size === 1) actions.move({ x: at.x - before.x, y: at.y - before.y });
     else pinch(pointers, event.pointerId, at, actions);
     pointers.set(event.pointerId, at);
   });
   const release = event => pointers.delete(event.pointerId);
-  canvas.addEventListener('pointerup', release);
+  canvas.addEventListener('pointerup', event => {
+    release(event);
+    if (pressed && !holdsLine) actions.click(pressed);
+    pressed = null;
+  });
   canvas.addEventListener('pointercancel', release);
   canvas.addEventListener('pointerleave', () => actions.point(null));
 }

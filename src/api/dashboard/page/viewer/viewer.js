@@ -29,6 +29,9 @@ export const viewer = {
 };
 
 let isPlanned = false;
+// What else wants to know of clicks, and draws over the picture.
+let clicked = () => {};
+let drawOver = () => {};
 
 export function startViewer() {
   onLook(redraw);
@@ -41,10 +44,21 @@ export function startViewer() {
       viewer.pointer = at;
       redraw();
     },
+    click: at => clicked(pixelAt(at), currentView().zoom / ratio()),
     split: share => changeComparison({ split: Math.min(Math.max(share, 0), 1) }),
     lineAt: () => (isSplit() ? viewer.comparison.split * canvas.clientWidth : null),
   });
 }
+
+// `listener` is called with every click on the picture: its place in pixels of the picture, and how many CSS pixels of the screen one is.
+export const onClick = listener => {
+  clicked = listener;
+};
+
+// `draw` is called with every frame that is drawn, to draw over it.
+export const onDrawn = draw => {
+  drawOver = draw;
+};
 
 // Shows a job, and beside it the one it is compared with. Another job's picture is never left there: its source goes with it.
 export function showPicture(job, other) {
@@ -90,6 +104,11 @@ const screen = () => ({ width: canvas.width, height: canvas.height });
 const currentView = () => viewer.view ?? fitted(size(), screen());
 const isSplit = () => viewer.sources.length > 1 && viewer.comparison.mode === 'slider';
 
+const pixelAt = ({ x, y }) => toPicture(currentView(), screen(), { x: x * ratio(), y: y * ratio() });
+
+// The place in the middle of the view, in pixels of the picture.
+export const middlePixel = () => pixelAt({ x: canvas.clientWidth / 2, y: canvas.clientHeight / 2 });
+
 export function redraw() {
   if (isPlanned) return;
   isPlanned = true;
@@ -111,10 +130,10 @@ function draw() {
   const [overview, otherOverview] = sources.map(source => source.overview);
   const canScale = usesScale(layer) && overview && (!isDifference || otherOverview);
   const scale = canScale ? currentScale(layer, overview, isDifference ? otherOverview : null) : null;
-  const at = viewer.pointer ?? { x: clientWidth / 2, y: clientHeight / 2 };
-  const pixel = toPicture(view, screen(), { x: at.x * ratio(), y: at.y * ratio() });
+  const pixel = viewer.pointer ? pixelAt(viewer.pointer) : middlePixel();
   const frame = { context, screen: screen(), ratio: ratio(), view, layer, scale, sources, comparison, pixel };
   drawFrame(frame);
+  if (sources.length) drawOver(frame);
   showNote();
   showReadout(frame);
   showControls(viewer, scale);

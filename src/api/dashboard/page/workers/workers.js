@@ -1,7 +1,10 @@
-// The workers: what each does, how fast, and why one gets no work.
+// The workers: what each does, how fast, why one gets no work, and what went wrong with it last. Admins send them away.
 
-import { element, make, setText } from '../elements/dom.js';
-import { count, duration } from '../elements/numbers.js';
+import { post } from '../connection/api.js';
+import { confirm } from '../elements/dialogs.js';
+import { element, make, replaceChildren, setText } from '../elements/dom.js';
+import { count, date, duration } from '../elements/numbers.js';
+import { isLive, store } from '../store.js';
 
 // Speeds are means over about this long.
 const WINDOW_MS = 60000;
@@ -35,14 +38,13 @@ export function showWorkers(workers) {
   const none = 'No worker is connected. Start one with: photonfarm worker --coordinator ADDRESS';
   setText(element('workers-summary'), workers.length ? `${summary(workers)}: ${states.join(', ')}.` : none);
   const rows = workers.map(rowOf);
-  if (JSON.stringify(rows) === shown) return;
-  shown = JSON.stringify(rows);
+  const wanted = JSON.stringify([rows, mayDrain()]);
+  if (wanted === shown) return;
+  shown = wanted;
   const cell = (text, index) =>
     make(index ? 'td' : 'th', { className: index >= 2 && index <= 5 ? 'number' : '', scope: index ? undefined : 'row' }, text);
-  element('workers-rows').replaceChildren(...rows.map(row => make('tr', {}, row.map(cell))));
-  [...element('workers-rows').rows].forEach((row, index) => {
-    row.dataset.state = workers[index].state;
-  });
+  const row = (cells, index) => make('tr', { 'data-state': workers[index].state }, cells.map(cell), make('td', {}, drainButton(workers[index])));
+  replaceChildren(element('workers-rows'), rows.map(row));
 }
 
 function rowOf(worker) {
@@ -56,5 +58,19 @@ function rowOf(worker) {
     rate === null ? '–' : rate.toFixed(0),
     `${duration(worker.idle_seconds)} ago`,
     worker.set_aside ?? '',
+    errorText(worker.last_error),
   ];
+}
+
+const errorText = error => (error ? `${date(error.time * 1000)}, ${error.work} of job ${error.job}: ${error.problem}` : '');
+
+const mayDrain = () => isLive() && store.me.scope === 'admin';
+
+function drainButton({ id, name, state }) {
+  const label = state === 'draining' ? 'Leaves soon' : 'Send away …';
+  const isAllowed = mayDrain() && state !== 'draining';
+  const title = isAllowed || state === 'draining' ? '' : isLive() ? 'Only admins send workers away.' : 'The coordinator does not answer.';
+  const text = 'It gets no further work, delivers what it holds and leaves; photonfarm worker ends. Start it again to have it back.';
+  const ask = () => confirm(`Send ${name} away?`, text, 'Send away', () => post(`/v1/workers/${id}/drain`));
+  return make('button', { type: 'button', id: `drain-${id}`, disabled: !isAllowed, title, onclick: ask, 'aria-label': `${label}: ${name}` }, label);
 }
