@@ -118,7 +118,8 @@ impl Farm {
         let status = self.end(id).await;
         assert_eq!(status.state, JobState::Done, "{status:?}");
         let layers = LAYERS.map(|row| row.layer);
-        let (picture, layers, _) = self.handle.picture_with_layers(id, &layers).await.expect("a picture");
+        let LayeredPicture { picture, layers, .. } =
+            self.handle.picture_with_layers(id, &layers).await.expect("a picture");
         let channels = layers.iter().flat_map(|layer| &layer.channels).flatten();
         picture.radiance.iter().flatten().chain(channels).map(|value| value.to_bits()).collect()
     }

@@ -13,7 +13,7 @@ use super::problem::Problem;
 use super::ranges::image;
 use crate::estimate::picture_files::{Channels, LUMINANCE, Layer, LayerRow, LayerValues, PictureFileError};
 use crate::evaluation::chart::{CanvasError, Drawing, ScaleError, ScaleRequest, Spacing, draw_layer, to_png, to_svg};
-use crate::farm::FarmError;
+use crate::farm::{FarmError, LayeredPicture};
 
 /// What a map shows, and how.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
@@ -137,7 +137,7 @@ async fn map(
     if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
         return Ok(unchanged);
     }
-    let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
+    let LayeredPicture { picture, layers, status, .. } = state.coordinator.picture_with_layers(id, &wanted).await?;
     let tag = etag(&status, &variant);
     let note = format!("{id}: {}, {} passes", status.method, status.passes_done);
     let drawn = tokio::task::spawn_blocking(move || {

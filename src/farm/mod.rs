@@ -64,7 +64,7 @@ pub mod webhooks;
 pub mod wire;
 pub mod worker;
 
-pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneSummary, UserLimits};
+pub use coordinator::{CoordinatorHandle, CoordinatorOptions, LayeredPicture, Limits, SceneSummary, UserLimits};
 pub use error::FarmError;
 pub use events::EVENTS;
 pub use local_farm::LocalFarm;

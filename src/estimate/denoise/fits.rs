@@ -10,7 +10,7 @@
 //! by elimination in its normal equations; β itself is not needed, since x is 0 in the pixel [Bitterli et al. 2016, section 4].
 
 use rayon::prelude::*;
-use wide::{CmpLt, f32x8};
+use wide::f32x8;
 
 use super::planes::{GROUPS, LANES, Layout, TILE, lanes, window};
 use super::similarity::Guide;
