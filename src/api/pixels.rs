@@ -262,6 +262,7 @@ impl PixelCache {
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "No such layer, level or part", body = Problem, content_type = "application/problem+json"),
     )
 )]

@@ -54,10 +54,10 @@ pub struct Features {
 pub struct Denoised {
     /// The picture.
     pub picture: Picture,
-    /// Its standard error in every pixel, W·sr⁻¹·m⁻²: root mean square of the channels, over the 9 × 9 pixels around. Noise that is left and what the
-    /// filter blurs count; what the method itself is wrong by in both twins alike does not.
+    /// Its standard error in every pixel, W·sr⁻¹·m⁻²: root mean square of the channels, over the 9 × 9 pixels around. It lies where the filtered twins
+    /// differ, and is as large in all as `relmse`.
     pub standard_error: Vec<f32>,
-    /// The same as relMSE of the whole picture.
+    /// The error of the whole picture: noise that is left and what the filter blurs count, what the method is wrong by in both twins alike does not.
     pub relmse: f64,
 }
 

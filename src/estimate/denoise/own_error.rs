@@ -30,25 +30,20 @@ pub(super) struct OwnError {
 /// The error of what was made of twins whose mean is 1.
 pub(super) fn measure(twins: &Twins, filtered: &[Color; 2]) -> OwnError {
     let gray = gray(twins, filtered);
-    let relative = |value: f64, pixel: usize, floor: f64| value / (gray[pixel] * gray[pixel] + floor);
+    let brightness = |pixel: usize, floor: f64| gray[pixel] * gray[pixel] + floor;
     let all = 0..twins.pixel_count();
-    let errors: Vec<f64> = all.clone().map(|pixel| squared_error(twins, filtered, pixel)).collect();
-    let noise: Vec<f64> = all.clone().map(|pixel| left_noise(twins, filtered, pixel)).collect();
-    let mean = |values: &[f64]| {
-        let sum: f64 = values.iter().enumerate().map(|(pixel, value)| relative(*value, pixel, FLOOR)).sum();
-        sum / values.len() as f64
+    let mean = |value: &dyn Fn(usize) -> f64| {
+        all.clone().map(|pixel| value(pixel) / brightness(pixel, FLOOR)).sum::<f64>() / all.len() as f64
     };
-    let smooth = |values: &[f64]| {
-        let values: Vec<f64> =
-            values.iter().enumerate().map(|(pixel, value)| relative(*value, pixel, SMOOTH_FLOOR)).collect();
-        box_mean(&values, twins.width, REACH)
-    };
-    let (smooth_errors, smooth_noise) = (smooth(&errors), smooth(&noise));
-    let standard_error = |pixel: usize| {
-        let square = smooth_errors[pixel].max(smooth_noise[pixel]);
-        (square * (gray[pixel] * gray[pixel] + SMOOTH_FLOOR)).sqrt() as f32
-    };
-    OwnError { per_pixel: all.map(standard_error).collect(), relmse: mean(&errors).max(mean(&noise)) }
+    let noise = mean(&|pixel| left_noise(twins, filtered, pixel));
+    let relmse = mean(&|pixel| squared_error(twins, filtered, pixel)).max(noise);
+    let left: Vec<f64> =
+        all.clone().map(|pixel| left_noise(twins, filtered, pixel) / brightness(pixel, SMOOTH_FLOOR)).collect();
+    let left = box_mean(&left, twins.width, REACH);
+    // A pixel's own squared error is far too noisy to show. What the filtered twins differ by says where errors are, and the sum says how large.
+    let factor = if noise > 0.0 { relmse / noise } else { 1.0 };
+    let standard_error = |pixel: usize| (factor * left[pixel] * brightness(pixel, SMOOTH_FLOOR)).sqrt() as f32;
+    OwnError { per_pixel: all.clone().map(standard_error).collect(), relmse }
 }
 
 /// Mean of the channels of what both filtered twins make up.
