@@ -7,7 +7,7 @@
 //! Σ s·n·(c − β₀ − β·x)² + Σ_j (ridge·Σ s·n·x_j² + prior)·β_j²
 //! ```
 //!
-//! by elimination in its normal equations; β itself is not needed, since x is 0 in the pixel [Bitterli et al. 2016, section 4].
+//! by elimination in its normal equations; β itself is not needed, since x is 0 in the pixel [Bitterli et al. 2016].
 
 use rayon::prelude::*;
 use wide::f32x8;

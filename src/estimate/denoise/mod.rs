@@ -2,11 +2,11 @@
 //!
 //! The even and the odd passes of a job are two independent pictures of the same thing, its twins. Each is filtered with weights that the
 //! **other** one tells (dual buffers), so that no noise chooses its own neighbours and bright outliers keep their energy
-//! [Rousselle, Knaus and Zwicker 2012, Adaptive rendering with non-local means filtering]. Every pixel gets two estimates from a window of 15 × 15 pixels:
+//! [Rousselle et al. 2012]. Every pixel gets two estimates from a window of 15 × 15 pixels:
 //!
 //! - a **mean** of the pixels whose surroundings look the same beyond any doubt, and
 //! - a **linear fit** of the light to albedo, normal and place, over all pixels that may look the same
-//!   [Bitterli et al. 2016, Nonlinearly weighted first-order regression for denoising Monte Carlo renderings].
+//!   [Bitterli et al. 2016].
 //!
 //! What each is wrong by follows from the twins, too: a filtered twin against the other one unfiltered. The better one is taken, and its error told.
 //!

@@ -6,7 +6,7 @@
 //! d(i, j) = (|c_i − c_j|² − (V_i + min(V_i, V_j)))/(V_i + V_j)
 //! ```
 //!
-//! which is about 0 where only noise makes a difference [Rousselle et al. 2012, equation 3]. The mean over a patch makes the similarity
+//! which is about 0 where only noise makes a difference [Rousselle et al. 2012]. The mean over a patch makes the similarity
 //! exp(−max(0, mean d)). Each d counts up to a bound: one outlier says no more than that two pixels differ.
 
 use wide::f32x8;
