@@ -28,7 +28,7 @@ use photonfarm::farm::wire::messages;
 use photonfarm::farm::wire::messages::result_request::Outcome;
 use photonfarm::farm::wire::result::encode_tally;
 use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
-use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, LocalFarm};
+use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, LayeredPicture, LocalFarm};
 use photonfarm::method::METHODS;
 use serde_json::json;
 use tokio::task::JoinHandle;
