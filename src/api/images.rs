@@ -3,7 +3,7 @@
 pub mod display;
 
 use axum::extract::State;
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::openapi::path::{Parameter, ParameterBuilder, ParameterIn};
@@ -16,9 +16,12 @@ use super::ranges::image;
 use super::schemas::Bytes;
 use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_half_exr};
 use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
-use crate::farm::FarmError;
 use crate::farm::job::JobStatus;
 use crate::farm::rules::terms::ErrorPoint;
+use crate::farm::{FarmError, LayeredPicture};
+
+/// The header that tells relMSE of a denoised picture.
+pub const DENOISED_RELMSE: &str = "photonfarm-denoised-relmse";
 
 /// What the EXR holds.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
@@ -58,11 +61,12 @@ impl IntoParams for ExrQuery {
     params(("id" = String, Path, description = "The job's id"), ExrQuery),
     responses(
         (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/x-exr",
-            headers(("ETag" = String))),
+            headers(("ETag" = String), ("Photonfarm-Denoised-RelMSE" = f64, description = "Where it is denoised: its own estimate"))),
         (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/x-exr"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
@@ -83,7 +87,8 @@ pub async fn image_exr(
     if let Some(unchanged) = unchanged(&status, &variant(&status), &headers) {
         return Ok(unchanged);
     }
-    let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
+    let LayeredPicture { picture, layers, status, denoised_relmse } =
+        state.coordinator.picture_with_layers(id, &wanted).await?;
     let tag = etag(&status, &variant(&status));
     let camera = state.coordinator.camera(&status.scene)?;
     let metadata = PictureMetadata {
@@ -93,7 +98,7 @@ pub async fn image_exr(
     };
     let encoder = if query.half { encode_half_exr } else { encode_exr };
     let bytes = encode(move || encoder(&picture, &layers, &metadata)).await?;
-    Ok(image("image/x-exr", &tag, bytes, &headers))
+    Ok(with_relmse(image("image/x-exr", &tag, bytes, &headers), denoised_relmse))
 }
 
 /// The job's own error estimate over time, as a chart.
@@ -122,6 +127,15 @@ pub async fn chart_svg(
     let (tag, title) = (etag(&status, "svg"), format!("{id}: {}", status.method));
     let svg = encode(move || to_svg(&draw_job(&title, &history, status.stop.error))).await?;
     Ok(image("image/svg+xml", &tag, svg.into_bytes(), &headers))
+}
+
+/// Tells what the denoised picture's own halves say of its relMSE.
+fn with_relmse(mut response: Response, relmse: Option<f64>) -> Response {
+    let told = relmse.and_then(|relmse| HeaderValue::from_str(&relmse.to_string()).ok());
+    if let Some(told) = told {
+        response.headers_mut().insert(HeaderName::from_static(DENOISED_RELMSE), told);
+    }
+    response
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]

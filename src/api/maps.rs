@@ -14,7 +14,7 @@ use super::ranges::image;
 use super::schemas::Bytes;
 use crate::estimate::picture_files::{Channels, LUMINANCE, Layer, LayerRow, LayerValues, PictureFileError};
 use crate::evaluation::chart::{CanvasError, Drawing, ScaleError, ScaleRequest, Spacing, draw_layer, to_png, to_svg};
-use crate::farm::FarmError;
+use crate::farm::{FarmError, LayeredPicture};
 
 /// What a map shows, and how.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
@@ -82,6 +82,7 @@ impl MapQuery {
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, no picture yet, or no value in the layer yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "No such layer, or an impossible scale", body = Problem,
             content_type = "application/problem+json"),
@@ -108,6 +109,7 @@ pub async fn map_png(
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, no picture yet, or no value in the layer yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "No such layer, or an impossible scale", body = Problem,
             content_type = "application/problem+json"),
@@ -138,7 +140,7 @@ async fn map(
     if let Some(unchanged) = unchanged(&state.coordinator.job(id)?, &variant, &headers) {
         return Ok(unchanged);
     }
-    let (picture, layers, status) = state.coordinator.picture_with_layers(id, &wanted).await?;
+    let LayeredPicture { picture, layers, status, .. } = state.coordinator.picture_with_layers(id, &wanted).await?;
     let tag = etag(&status, &variant);
     let note = format!("{id}: {}, {} passes", status.method, status.passes_done);
     let drawn = tokio::task::spawn_blocking(move || {

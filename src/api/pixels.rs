@@ -21,9 +21,9 @@ use super::problem::Problem;
 use super::schemas::Bytes;
 use crate::estimate::Picture;
 use crate::estimate::picture_files::{Layer, PictureLayer};
-use crate::farm::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::job::JobStatus;
+use crate::farm::{FarmError, LayeredPicture};
 
 /// What the picture itself is called among the layers.
 const COLOR: &str = "color";
@@ -209,14 +209,15 @@ impl PixelCache {
         if let Some(found) = self.find(id, layer, &state.coordinator.job(id)?) {
             return Ok(found);
         }
-        // What a worker has to look at first takes long and is waited for elsewhere.
-        let is_merged = !matches!(layer, Some(Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position));
+        // What a worker has to look at first takes long and is waited for elsewhere; so does what is denoised.
+        let is_merged = !layer.is_some_and(Layer::needs_first_surfaces);
         let _turn = if is_merged { Some(self.turn.lock().await) } else { None };
         if let Some(found) = self.find(id, layer, &state.coordinator.job(id)?) {
             return Ok(found);
         }
         let began = Instant::now();
-        let (picture, mut layers, status) = state.coordinator.picture_with_layers(id, layer.as_slice()).await?;
+        let LayeredPicture { picture, mut layers, status, .. } =
+            state.coordinator.picture_with_layers(id, layer.as_slice()).await?;
         let made = tokio::task::spawn_blocking(move || Values::new(&picture, layers.pop(), status, began)).await;
         let values = Arc::new(made.map_err(|error| FarmError::Internal(error.to_string()))?);
         self.keep(Kept { job: id, layer, values: values.clone() });
@@ -262,6 +263,7 @@ impl PixelCache {
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "No such layer, level or part", body = Problem, content_type = "application/problem+json"),
     )
 )]

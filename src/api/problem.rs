@@ -145,6 +145,8 @@ impl From<FarmError> for Problem {
             FarmError::NoPictureYet(_) => Self::new(StatusCode::NOT_FOUND, "no-picture-yet", detail)
                 .remedy("ask again, or follow the job's events")
                 .retry_after(Duration::from_secs(1)),
+            FarmError::CannotDenoise(_) => Self::new(StatusCode::CONFLICT, "cannot-denoise", detail)
+                .remedy("ask again after more passes, or for the picture as it is"),
             FarmError::TooLarge { .. } => {
                 Self::new(StatusCode::PAYLOAD_TOO_LARGE, "too-large", detail).remedy("send less, or make it smaller")
             }

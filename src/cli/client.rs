@@ -1,5 +1,6 @@
 //! The API as the subcommands use it.
 
+mod image;
 mod members;
 mod workers;
 
@@ -14,8 +15,9 @@ use reqwest::{Method, Request, RequestBuilder, Response, StatusCode, Url, header
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+pub(super) use image::Fetched;
+
 use super::exit_code::CliError;
-use super::terminal;
 use super::token_option::TokenOption;
 use super::trust_options::TrustOptions;
 use crate::api::job_control::{CloneRequest, JobPatch};
@@ -34,9 +36,6 @@ const RECONNECT_PAUSE: Duration = Duration::from_secs(1);
 
 /// How long a coordinator may take to say whether it leads, where several may.
 const LOOK_PATIENCE: Duration = Duration::from_secs(3);
-
-/// How often a picture is asked for whose layers are not there yet; each request waits for some seconds.
-const WAITS: u32 = 30;
 
 /// Which coordinator to speak to.
 #[derive(Clone, Debug, Args)]
@@ -159,28 +158,6 @@ impl Client {
         let path = format!("/v1/scenes/{}", checked_name(hash, "a scene's hash; `photonfarm scenes`")?);
         accepted(self.send(self.request(Method::DELETE, &path)).await?).await?;
         Ok(())
-    }
-
-    /// The bytes of `image` (for example `image.png?exposure=1`); `None` when nothing was rendered yet.
-    pub(super) async fn image(&self, id: &str, image: &str) -> Result<Option<Vec<u8>>, CliError> {
-        let mut waits = WAITS;
-        loop {
-            let response = self.send(self.request(Method::GET, &job_path(id, &format!("/{image}"))?)).await?;
-            match accepted(response).await {
-                Ok(response) => {
-                    return Ok(Some(response.bytes().await.map_err(|error| self.unreachable(&error))?.to_vec()));
-                }
-                Err(problem) if problem.slug() == "no-picture-yet" => return Ok(None),
-                // A worker has to look at the first surfaces; large scenes take a while.
-                Err(problem) if problem.slug() == "not-yet" && waits > 0 => {
-                    if waits == WAITS {
-                        terminal::note(&format!("{}; waiting", problem.detail));
-                    }
-                    waits -= 1;
-                }
-                Err(problem) => return Err(problem.into()),
-            }
-        }
     }
 
     /// Follows a job until it has ended; `show` sees every status on the way. Short outages are waited out.

@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 
-use super::client::Client;
+use super::client::{Client, Fetched};
 use super::exit_code::CliError;
 use super::frames::Frame;
 use super::progress::passes_of;
 use super::scene_input::picture_name;
 use super::terminal;
 use crate::estimate::picture_files::{
-    Exposure, JPEG_QUALITY, LAYERS, PictureFormat, PictureOrigin, TONES, ToneCurve, check_writable, read_origin,
+    Exposure, JPEG_QUALITY, LAYERS, Layer, PictureFormat, PictureOrigin, TONES, ToneCurve, check_writable, read_origin,
     write_file,
 };
 use crate::farm::job::JobStatus;
@@ -38,6 +38,10 @@ pub(super) struct OutputOptions {
     /// Further layers of EXR files, separated by commas.
     #[arg(long, value_delimiter = ',', value_parser = layer_names())]
     pub(super) layers: Vec<String>,
+    /// Also filter the noise out: EXR files get the layers denoised and denoised_error beside the picture as it is, and files to look at show the
+    /// denoised picture.
+    #[arg(long)]
+    denoise: bool,
     /// Write colors and directions of EXR files as 16-bit floats; distances, places, counts, errors and what is beyond 65504 stay at 32 bits.
     #[arg(long)]
     half: bool,
@@ -96,11 +100,20 @@ impl OutputOptions {
 
     /// Fetches the job's picture, writes all files and says which. Tells whether there was a picture.
     pub(super) async fn write(&self, client: &Client, job: &JobStatus) -> Result<bool, CliError> {
+        let mut is_denoised = self.denoise;
+        let mut relmse = None;
         for path in &self.outputs {
-            let Some(bytes) = client.image(&job.id, &self.image(path)?).await? else { return Ok(false) };
+            let mut fetched = client.image(&job.id, &self.image(path, is_denoised)?).await?;
+            if let Fetched::CannotDenoise(problem) = fetched {
+                terminal::note(&format!("the picture is written as it is: {problem}"));
+                is_denoised = false;
+                fetched = client.image(&job.id, &self.image(path, is_denoised)?).await?;
+            }
+            let Fetched::Image(image) = fetched else { return Ok(false) };
+            relmse = relmse.or(image.denoised_relmse);
             let better = if self.overwrite { None } else { passes_if_better(path, job) };
             let target = better.map_or(path.clone(), |_| beside(path, job.passes_done));
-            write_file(&target, &bytes)?;
+            write_file(&target, &image.bytes)?;
             let kept = better.map_or(String::new(), |passes| {
                 format!(
                     "; {} has {} of this scene and stays (--overwrite replaces it)",
@@ -109,6 +122,9 @@ impl OutputOptions {
                 )
             });
             terminal::note(&format!("wrote {}{kept}", target.display()));
+        }
+        if let Some(relmse) = relmse {
+            terminal::note(&format!("denoised: relMSE {relmse:.2e}, as its two halves tell"));
         }
         Ok(true)
     }
@@ -119,10 +135,14 @@ impl OutputOptions {
         format!("exposure={}&tone={tone}", self.exposure())
     }
 
-    fn image(&self, path: &Path) -> Result<String, CliError> {
-        let display = self.display();
+    fn image(&self, path: &Path, is_denoised: bool) -> Result<String, CliError> {
+        let layer = if is_denoised { "&layer=denoised" } else { "" };
+        let display = format!("{}{layer}", self.display());
+        let denoised = if is_denoised { [Layer::Denoised, Layer::DenoisedError].as_slice() } else { &[] };
+        let layers = self.layers.iter().map(String::as_str).chain(denoised.iter().map(|layer| layer.row().name));
+        let layers = layers.collect::<Vec<_>>().join(",");
         Ok(match PictureFormat::of_path(path)? {
-            PictureFormat::Exr => format!("image.exr?layers={}&half={}", self.layers.join(","), self.half),
+            PictureFormat::Exr => format!("image.exr?layers={layers}&half={}", self.half),
             PictureFormat::Png => format!("image.png?{display}&bits={}", self.bits.as_deref().unwrap_or("8")),
             PictureFormat::Jpeg => format!("image.jpg?{display}&quality={}", self.quality.unwrap_or(JPEG_QUALITY)),
             PictureFormat::Webp => format!("image.webp?{display}"),

@@ -89,7 +89,7 @@ impl Show {
         // The last version is seen, too, when there will be no further one.
         while self.newest.changed().await.is_ok() {
             let fetched = self.client.image(&self.job, &self.image).await.map_err(|error| error.to_string())?;
-            let Some(bytes) = fetched else { continue };
+            let Some(bytes) = fetched.bytes() else { continue };
             let picture = decode_channels(&bytes).map_err(|error| error.to_string())?;
             for packet in self.packets(&shown, &picture) {
                 in_time(stream.write_all(&packet)).await?;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::client::Client;
+use super::client::{Client, Fetched};
 use super::exit_code::CliError;
 use super::progress::Progress;
 use super::render::follow_or_cancel;
@@ -134,8 +134,10 @@ async fn luminance(
 }
 
 async fn image(client: &Client, job: &JobStatus) -> Result<Vec<u8>, CliError> {
-    let bytes = client.image(&job.id, "image.exr").await?;
-    bytes.ok_or_else(|| CliError::Failed("a job ended without a picture; give it more time".to_owned()))
+    match client.image(&job.id, "image.exr").await? {
+        Fetched::Image(image) => Ok(image.bytes),
+        _ => Err(CliError::Failed("a job ended without a picture; give it more time".to_owned())),
+    }
 }
 
 fn caption(strategy: Strategy, values: &[f32]) -> String {

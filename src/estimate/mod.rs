@@ -5,6 +5,7 @@
 //! [`Picture`] is normalised radiance, taken at any time.
 
 pub mod declaration;
+pub mod denoise;
 pub mod error;
 pub mod evenness;
 pub mod merging;

@@ -6,6 +6,7 @@ use super::access::caller::Denied;
 use super::access::secret::NoRandomness;
 use super::ids::JobId;
 use super::store::StoreError;
+use crate::estimate::denoise::DenoiseError;
 use crate::method::MethodError;
 use crate::scene::error::SceneError;
 
@@ -41,6 +42,9 @@ pub enum FarmError {
     /// Nothing has been merged yet.
     #[error("job \"{0}\" has no picture yet; wait for its first shard")]
     NoPictureYet(JobId),
+    /// The picture cannot be denoised, at least not yet.
+    #[error(transparent)]
+    CannotDenoise(#[from] DenoiseError),
     /// More than the coordinator takes.
     #[error("{what} is {found} where at most {limit} is accepted")]
     TooLarge {

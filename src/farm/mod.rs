@@ -65,7 +65,9 @@ pub mod webhooks;
 pub mod wire;
 pub mod worker;
 
-pub use coordinator::{CoordinatorHandle, CoordinatorOptions, Limits, SceneLayout, SceneSummary, UserLimits};
+pub use coordinator::{
+    CoordinatorHandle, CoordinatorOptions, LayeredPicture, Limits, SceneLayout, SceneSummary, UserLimits,
+};
 pub use error::FarmError;
 pub use events::EVENTS;
 pub use local_farm::LocalFarm;

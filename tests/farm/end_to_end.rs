@@ -21,7 +21,7 @@ use photonfarm::farm::wire::messages;
 use photonfarm::farm::wire::messages::result_request::Outcome;
 use photonfarm::farm::wire::result::encode_tally;
 use photonfarm::farm::worker::{WorkerError, WorkerOptions, run_worker};
-use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, LocalFarm};
+use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, LayeredPicture, LocalFarm};
 use photonfarm::method::METHODS;
 use serde_json::json;
 use tokio::task::JoinHandle;
@@ -111,7 +111,8 @@ impl Farm {
         let status = self.end(id).await;
         assert_eq!(status.state, JobState::Done, "{status:?}");
         let layers = LAYERS.map(|row| row.layer);
-        let (picture, layers, _) = self.handle.picture_with_layers(id, &layers).await.expect("a picture");
+        let LayeredPicture { picture, layers, .. } =
+            self.handle.picture_with_layers(id, &layers).await.expect("a picture");
         let channels = layers.iter().flat_map(|layer| &layer.channels).flatten();
         picture.radiance.iter().flatten().chain(channels).map(|value| value.to_bits()).collect()
     }

@@ -9,7 +9,7 @@ use utoipa::{IntoParams, ToSchema};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::{encode, etag, unchanged};
+use super::{encode, etag, unchanged, with_relmse};
 use crate::api::ApiState;
 use crate::api::extract::{PathValue, QueryValues, parse_job};
 use crate::api::problem::Problem;
@@ -25,6 +25,10 @@ use crate::farm::job::JobStatus;
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct PngQuery {
+    /// The picture as it is, or denoised.
+    #[serde(default)]
+    #[param(inline)]
+    pub layer: ShownLayer,
     /// Stops or `auto`; its schema says more.
     #[serde(default, deserialize_with = "read_exposure")]
     #[param(schema_with = exposure_schema)]
@@ -42,6 +46,10 @@ pub struct PngQuery {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct JpegQuery {
+    /// The picture as it is, or denoised.
+    #[serde(default)]
+    #[param(inline)]
+    pub layer: ShownLayer,
     /// Stops or `auto`; its schema says more.
     #[serde(default, deserialize_with = "read_exposure")]
     #[param(schema_with = exposure_schema)]
@@ -60,6 +68,10 @@ pub struct JpegQuery {
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct WebpQuery {
+    /// The picture as it is, or denoised.
+    #[serde(default)]
+    #[param(inline)]
+    pub layer: ShownLayer,
     /// Stops or `auto`; its schema says more.
     #[serde(default, deserialize_with = "read_exposure")]
     #[param(schema_with = exposure_schema)]
@@ -68,6 +80,17 @@ pub struct WebpQuery {
     #[serde(default)]
     #[param(inline)]
     pub tone: Tone,
+}
+
+/// What is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ShownLayer {
+    /// The picture as it is.
+    #[default]
+    Color,
+    /// The picture with less noise.
+    Denoised,
 }
 
 /// What makes code values of colors.
@@ -117,11 +140,12 @@ pub fn routes() -> OpenApiRouter<ApiState> {
     params(("id" = String, Path, description = "The job's id"), PngQuery),
     responses(
         (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/png",
-            headers(("ETag" = String))),
+            headers(("ETag" = String), ("Photonfarm-Denoised-RelMSE" = f64, description = "Where it is denoised: its own estimate"))),
         (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/png"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
@@ -139,7 +163,7 @@ pub async fn image_png(
         Some(bits) => return Err(Problem::bad_request(format!("bits is {bits}"), "give 8 or 16")),
     };
     let display = Display { exposure: query.exposure, tone: query.tone.into() };
-    answer(&state, &id, display, format, &headers).await
+    answer(&state, &id, query.layer, display, format, &headers).await
 }
 
 /// The picture so far as sRGB JPEG.
@@ -148,11 +172,12 @@ pub async fn image_png(
     params(("id" = String, Path, description = "The job's id"), JpegQuery),
     responses(
         (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/jpeg",
-            headers(("ETag" = String))),
+            headers(("ETag" = String), ("Photonfarm-Denoised-RelMSE" = f64, description = "Where it is denoised: its own estimate"))),
         (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/jpeg"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
@@ -170,7 +195,7 @@ pub async fn image_jpg(
         return Err(Problem::bad_request(format!("quality is {quality}"), remedy));
     }
     let display = Display { exposure: query.exposure, tone: query.tone.into() };
-    answer(&state, &id, display, DisplayFormat::Jpeg { quality }, &headers).await
+    answer(&state, &id, query.layer, display, DisplayFormat::Jpeg { quality }, &headers).await
 }
 
 /// The picture so far as sRGB WebP without loss.
@@ -179,11 +204,12 @@ pub async fn image_jpg(
     params(("id" = String, Path, description = "The job's id"), WebpQuery),
     responses(
         (status = 200, description = "The picture so far", body = inline(Bytes), content_type = "image/webp",
-            headers(("ETag" = String))),
+            headers(("ETag" = String), ("Photonfarm-Denoised-RelMSE" = f64, description = "Where it is denoised: its own estimate"))),
         (status = 206, description = "The part of it that Range names", body = inline(Bytes), content_type = "image/webp"),
         (status = 304, description = "The same as If-None-Match names"),
         (status = 404, description = "No such job, or no picture yet", body = Problem,
             content_type = "application/problem+json"),
+        (status = 409, description = "It cannot be denoised yet", body = Problem, content_type = "application/problem+json"),
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
         (status = 416, description = "No such part", body = Problem, content_type = "application/problem+json"),
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
@@ -196,12 +222,13 @@ pub async fn image_webp(
     headers: HeaderMap,
 ) -> Result<Response, Problem> {
     let display = Display { exposure: query.exposure, tone: query.tone.into() };
-    answer(&state, &id, display, DisplayFormat::Webp, &headers).await
+    answer(&state, &id, query.layer, display, DisplayFormat::Webp, &headers).await
 }
 
 async fn answer(
     state: &ApiState,
     id: &str,
+    layer: ShownLayer,
     display: Display,
     format: DisplayFormat,
     headers: &HeaderMap,
@@ -210,17 +237,23 @@ async fn answer(
         let remedy = "give a number of stops from -64 to 64, or auto";
         return Err(Problem::bad_request(format!("exposure is {}", display.exposure), remedy));
     }
-    let variant = format!("{format:?},{display:?}");
+    let variant = format!("{format:?},{display:?},{layer:?}");
     let id = parse_job(id)?;
     let status = state.coordinator.job(id)?;
     check_size(&status, format)?;
     if let Some(unchanged) = unchanged(&status, &variant, headers) {
         return Ok(unchanged);
     }
-    let (picture, status) = state.coordinator.picture(id).await?;
+    let (picture, relmse, status) = match layer {
+        ShownLayer::Color => state.coordinator.picture(id).await.map(|(picture, status)| (picture, None, status))?,
+        ShownLayer::Denoised => {
+            let (picture, relmse, status) = state.coordinator.denoised_picture(id).await?;
+            (picture, Some(relmse), status)
+        }
+    };
     let tag = etag(&status, &variant);
     let bytes = encode(move || encode_display(&picture, display, format)).await?;
-    Ok(image(format.media_type(), &tag, bytes, headers))
+    Ok(with_relmse(image(format.media_type(), &tag, bytes, headers), relmse))
 }
 
 #[expect(clippy::result_large_err, reason = "made at most once a request")]

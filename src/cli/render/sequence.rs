@@ -66,7 +66,8 @@ impl Render {
                 return Err(CliError::Interrupted);
             }
             if self.preview.preview.is_some() {
-                preview.extend(client.image(&status.id, &self.output.preview_image()).await?);
+                let fetched = client.image(&status.id, &self.output.preview_image()).await?;
+                preview.extend(fetched.bytes());
             }
             client.delete_job(&status.id).await?;
             if status.scene != base {

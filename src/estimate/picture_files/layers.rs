@@ -18,6 +18,10 @@ pub enum Layer {
     Depth,
     /// Its place.
     Position,
+    /// The picture with less noise.
+    Denoised,
+    /// Standard error of that.
+    DenoisedError,
 }
 
 /// What a layer is called and holds.
@@ -62,7 +66,7 @@ pub(super) const RADIANCE_UNIT: &str = "W/(sr·m²)";
 pub const NOTHING_SEEN: f32 = 1e10;
 
 /// All layers, in the order of [`Layer`].
-pub const LAYERS: [LayerRow; 7] = [
+pub const LAYERS: [LayerRow; 9] = [
     LayerRow {
         layer: Layer::Radius,
         name: "radius",
@@ -126,6 +130,24 @@ pub const LAYERS: [LayerRow; 7] = [
         nothing: "0 where nothing is seen",
         allows_half: false,
     },
+    LayerRow {
+        layer: Layer::Denoised,
+        name: "denoised",
+        channels: &["denoised.R", "denoised.G", "denoised.B"],
+        meaning: "the picture with less noise, filtered by what its two halves and its first surfaces tell",
+        unit: RADIANCE_UNIT,
+        nothing: "",
+        allows_half: true,
+    },
+    LayerRow {
+        layer: Layer::DenoisedError,
+        name: "denoised_error",
+        channels: &["denoised_error.Y"],
+        meaning: "standard error of the picture with less noise, as its two halves tell",
+        unit: RADIANCE_UNIT,
+        nothing: "",
+        allows_half: false,
+    },
 ];
 
 /// A layer of a picture.
@@ -143,6 +165,16 @@ pub struct PictureLayer {
 pub struct UnknownLayer(pub String);
 
 impl Layer {
+    /// Whether it is made of the denoised picture.
+    pub fn is_denoised(self) -> bool {
+        matches!(self, Self::Denoised | Self::DenoisedError)
+    }
+
+    /// Whether a worker has to look at first surfaces for it.
+    pub fn needs_first_surfaces(self) -> bool {
+        self.is_denoised() || matches!(self, Self::Albedo | Self::Normal | Self::Depth | Self::Position)
+    }
+
     /// Its row of the table.
     pub fn row(self) -> &'static LayerRow {
         &LAYERS[self as usize]

@@ -13,6 +13,7 @@
 //! | `results`, `workers` | what workers deliver, and how they are sent away |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
 //! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
+//! | `denoising` | pictures with less noise |
 //! | [`request`], `status` | what users say and are told |
 //! | `announcing` | what webhooks are told |
 //! | `feed` | all changes of all jobs, numbered |
@@ -24,6 +25,7 @@ mod chores;
 mod clock;
 mod control;
 mod counters;
+mod denoising;
 mod feed;
 mod jobs;
 mod keeper;
@@ -59,6 +61,7 @@ use tokio_util::sync::CancellationToken;
 pub use jobs::JobChanges;
 pub use limits::{FaultHooks, Limits, UserLimits};
 pub use options::CoordinatorOptions;
+pub use pictures::LayeredPicture;
 pub(super) use results::{Delivered, Delivery, Payload};
 pub use scene_record::{SceneLayout, SceneSummary};
 pub use scenes::SceneUpload;
@@ -73,7 +76,7 @@ use super::rules::terms::ErrorPoint;
 use super::store::Store;
 use super::store::journal::JournalRow;
 use crate::estimate::Picture;
-use crate::estimate::picture_files::{Layer, PictureLayer};
+use crate::estimate::picture_files::Layer;
 use crate::import::changes::with_changes;
 use crate::scene::camera::CameraMatrices;
 
@@ -240,19 +243,25 @@ impl CoordinatorHandle {
     /// The picture as merged so far, the layers asked for, and the status that belongs to all of them.
     ///
     /// # Errors
-    /// Layers of first surfaces need a worker that looks; without one they are [`FarmError::NotYet`].
-    pub async fn picture_with_layers(
-        &self,
-        id: JobId,
-        wanted: &[Layer],
-    ) -> Result<(Picture, Vec<PictureLayer>, JobStatus), FarmError> {
+    /// Layers of first surfaces need a worker that looks; without one they are [`FarmError::NotYet`]. So do denoised ones, and before both twins
+    /// have a pass everywhere they are [`FarmError::CannotDenoise`].
+    pub async fn picture_with_layers(&self, id: JobId, wanted: &[Layer]) -> Result<LayeredPicture, FarmError> {
         self.shared.picture_with_layers(id, wanted).await
     }
 
     /// The picture as merged so far, and the status that belongs to it.
     pub async fn picture(&self, id: JobId) -> Result<(Picture, JobStatus), FarmError> {
-        let (picture, _, status) = self.picture_with_layers(id, &[]).await?;
+        let LayeredPicture { picture, status, .. } = self.picture_with_layers(id, &[]).await?;
         Ok((picture, status))
+    }
+
+    /// The denoised picture of what is merged so far, its relMSE as its two halves tell, and the status that belongs to it.
+    ///
+    /// # Errors
+    /// As for the layers of it.
+    pub async fn denoised_picture(&self, id: JobId) -> Result<(Picture, f64, JobStatus), FarmError> {
+        let (denoised, status) = self.shared.denoised_picture(id).await?;
+        Ok((denoised.picture.clone(), denoised.relmse, status))
     }
 
     /// Stops a job and keeps its picture. What the answer says is what stays. A job that has ended already stays as it is.

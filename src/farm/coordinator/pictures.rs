@@ -6,7 +6,9 @@ use std::time::Duration;
 
 use tokio::time::timeout;
 
+use super::denoising::PictureState;
 use super::shared::{JobRecord, Shared, blocking};
+use crate::estimate::denoise::{Denoised, Twins};
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::estimate::{Estimate, Picture};
 use crate::farm::error::FarmError;
@@ -30,28 +32,92 @@ enum InMemory<T, Read> {
     Elsewhere(Read),
 }
 
+/// A picture with its layers.
+#[derive(Clone, Debug)]
+pub struct LayeredPicture {
+    /// The picture itself.
+    pub picture: Picture,
+    /// Those that were asked for.
+    pub layers: Vec<PictureLayer>,
+    /// The job when the picture was as it is.
+    pub status: JobStatus,
+    /// What its own halves tell of the relMSE of the denoised picture, where a layer of that was asked for.
+    pub denoised_relmse: Option<f64>,
+}
+
+/// What a denoised picture is made of.
+enum Halves {
+    /// It was made already.
+    Denoised(Arc<Denoised>),
+    /// It is made of these.
+    Raw(Twins),
+}
+
 impl Shared {
     /// The picture as merged so far, the layers asked for, and the status that belongs to all of them.
     pub(super) async fn picture_with_layers(
         self: &Arc<Self>,
         id: JobId,
         wanted: &[Layer],
-    ) -> Result<(Picture, Vec<PictureLayer>, JobStatus), FarmError> {
+    ) -> Result<LayeredPicture, FarmError> {
         let (shared, job) = (self.clone(), self.job(id)?);
-        let seen = if wanted.iter().any(|layer| is_of_first_surface(*layer)) {
-            Some(shared.first_surfaces(&job).await?)
-        } else {
-            None
-        };
-        let (wanted, record) = (wanted.to_vec(), job.clone());
+        let needs_surfaces = wanted.iter().any(|layer| layer.needs_first_surfaces());
+        let seen = if needs_surfaces { Some(shared.first_surfaces(&job).await?) } else { None };
+        let is_denoised = wanted.iter().any(|layer| layer.is_denoised());
+        let (record, wanted, surfaces) = (job.clone(), wanted.to_vec(), seen.clone());
         let read = move |merging: &Merging| {
             let status = shared.lock().status(&record, &shared.clock);
-            let seen = seen.as_deref().unwrap_or_default();
+            let seen = surfaces.as_deref().unwrap_or_default();
             let layer =
                 |layer: &Layer| of_estimate(*layer, &merging.estimate).or_else(|| of_first_surface(*layer, seen));
-            (merging.estimate.picture(), wanted.iter().filter_map(layer).collect(), status)
+            let layers: Vec<PictureLayer> = wanted.iter().filter_map(layer).collect();
+            let halves = is_denoised.then(|| shared.halves(&merging.estimate, PictureState::new(record.id, &status)));
+            (
+                LayeredPicture { picture: merging.estimate.picture(), layers, status, denoised_relmse: None },
+                halves,
+                wanted,
+            )
         };
-        self.with_merged(&job, read).await
+        let (mut picture, halves, wanted) = self.with_merged(&job, read).await?;
+        if let Some((halves, seen)) = halves.zip(seen) {
+            let denoised = self.denoised(halves?, PictureState::new(id, &picture.status), seen).await?;
+            picture.denoised_relmse = Some(denoised.relmse);
+            picture.layers.extend(wanted.iter().filter_map(|layer| of_denoised(*layer, &denoised)));
+        }
+        Ok(picture)
+    }
+
+    /// The denoised picture as merged so far, and the status that belongs to it.
+    pub(super) async fn denoised_picture(self: &Arc<Self>, id: JobId) -> Result<(Arc<Denoised>, JobStatus), FarmError> {
+        let (shared, job) = (self.clone(), self.job(id)?);
+        let seen = shared.first_surfaces(&job).await?;
+        let record = job.clone();
+        let read = move |merging: &Merging| {
+            let status = shared.lock().status(&record, &shared.clock);
+            (shared.halves(&merging.estimate, PictureState::new(record.id, &status)), status)
+        };
+        let (halves, status) = self.with_merged(&job, read).await?;
+        Ok((self.denoised(halves?, PictureState::new(id, &status), seen).await?, status))
+    }
+
+    /// What a denoised picture is made of, or that picture where it is there already.
+    fn halves(&self, estimate: &Estimate, state: PictureState) -> Result<Halves, FarmError> {
+        match self.denoising.get(state) {
+            Some(denoised) => Ok(Halves::Denoised(denoised)),
+            None => Ok(Halves::Raw(Twins::of(estimate)?)),
+        }
+    }
+
+    async fn denoised(
+        &self,
+        halves: Halves,
+        state: PictureState,
+        seen: Arc<[FirstSurface]>,
+    ) -> Result<Arc<Denoised>, FarmError> {
+        match halves {
+            Halves::Denoised(denoised) => Ok(denoised),
+            Halves::Raw(twins) => self.denoising.make(state, twins, seen).await,
+        }
     }
 
     /// Reads a job's merged state, once there is something in it, wherever it is.
@@ -119,10 +185,6 @@ impl Shared {
     }
 }
 
-fn is_of_first_surface(layer: Layer) -> bool {
-    matches!(layer, Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position)
-}
-
 /// A layer that the estimate holds.
 fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
     let pixels = (0..estimate.pixel_count()).map(|pixel| estimate.pixel(pixel));
@@ -132,6 +194,7 @@ fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
         // Nothing is known before each twin has a pass.
         Layer::Error => estimate.standard_error().unwrap_or_else(|| vec![f32::NAN; estimate.pixel_count()]),
         Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position => return None,
+        Layer::Denoised | Layer::DenoisedError => return None,
     };
     Some(PictureLayer { layer, channels: vec![values] })
 }
@@ -146,7 +209,17 @@ fn of_first_surface(layer: Layer, seen: &[FirstSurface]) -> Option<PictureLayer>
         Layer::Normal => axes(|pixel| pixel.normal.to_array()),
         Layer::Depth => vec![seen.iter().map(|pixel| pixel.depth).collect()],
         Layer::Position => axes(|pixel| pixel.position.to_array()),
-        Layer::Radius | Layer::Photons | Layer::Error => return None,
+        Layer::Radius | Layer::Photons | Layer::Error | Layer::Denoised | Layer::DenoisedError => return None,
+    };
+    Some(PictureLayer { layer, channels })
+}
+
+/// A layer of the denoised picture.
+fn of_denoised(layer: Layer, denoised: &Denoised) -> Option<PictureLayer> {
+    let channels = match layer {
+        Layer::Denoised => (0..3).map(|c| denoised.picture.radiance.iter().map(|pixel| pixel[c]).collect()).collect(),
+        Layer::DenoisedError => vec![denoised.standard_error.clone()],
+        _ => return None,
     };
     Some(PictureLayer { layer, channels })
 }

@@ -12,6 +12,7 @@ use tokio_util::task::TaskTracker;
 use super::chores::Chore;
 use super::clock::Clock;
 use super::counters::{Counters, is_result};
+use super::denoising::Denoising;
 use super::feed::Feed;
 use super::options::CoordinatorOptions;
 use super::scene_record::SceneRecord;
@@ -51,6 +52,7 @@ pub(in crate::farm) struct Shared {
     pub(super) feed: Feed,
     pub(in crate::farm) worker_secrets: WorkerSecrets,
     pub(super) seen_first: SeenFirst,
+    pub(super) denoising: Denoising,
     pub(super) uploads: Arc<Semaphore>,
     /// How many of them are whose.
     pub(super) uploading: Mutex<BTreeMap<UserName, usize>>,
@@ -227,6 +229,7 @@ impl Shared {
             viewed: Viewed::default(),
             state: Mutex::new(state),
             seen_first: SeenFirst::default(),
+            denoising: Denoising::default(),
             work: watch::Sender::new(0),
             stopped: CancellationToken::new(),
             deposed: CancellationToken::new(),

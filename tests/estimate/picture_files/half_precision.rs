@@ -56,7 +56,7 @@ fn colors_and_directions_are_rounded_and_all_else_keeps_its_bits() {
     let (types, expected) = (types(&half), exr_channels(&exact));
     for (name, values) in exr_channels(&half) {
         let is_color = ["R", "G", "B"].contains(&name.as_str());
-        if is_color || name.starts_with("albedo.") || name.starts_with("normal.") {
+        if is_color || ["albedo.", "normal.", "denoised."].iter().any(|layer| name.starts_with(layer)) {
             assert_eq!(types[&name], SampleType::F16, "{name}");
             values.iter().zip(&expected[&name]).for_each(|(found, exact)| assert_half(*found, *exact));
             assert!(values != expected[&name], "{name} is not rounded");

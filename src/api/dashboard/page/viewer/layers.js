@@ -8,6 +8,8 @@ export const LAYERS = [
   { name: 'albedo', label: 'Albedo', kind: 'color', unit: '' },
   { name: 'normal', label: 'Normal', kind: 'normal', unit: '' },
   { name: 'depth', label: 'Depth', kind: 'scale', unit: 'm' },
+  { name: 'denoised', label: 'Denoised', kind: 'color', unit: 'W/(sr·m²)' },
+  { name: 'denoised_error', label: 'Its error', kind: 'scale', unit: 'W/(sr·m²)' },
 ];
 
 export const layerNamed = name => LAYERS.find(layer => layer.name === name);
