@@ -101,7 +101,7 @@ pub(crate) fn save(file: &str, picture: &Picture) -> Result<(), Box<dyn Error>> 
 
 /// Where the document's pictures are.
 pub(crate) fn picture_folder() -> std::io::Result<PathBuf> {
-    let folder = PathBuf::from("docs/metropolis");
+    let folder = PathBuf::from("docs/measured/metropolis");
     std::fs::create_dir_all(&folder)?;
     Ok(folder)
 }

@@ -1,6 +1,6 @@
-//! Markov chains beside other methods, and table 1 and figures 1 to 5 of the paper on Metropolis photon sampling: makes `docs/METROPOLIS.md`.
+//! Markov chains beside other methods, and table 1 and figures 1 to 5 of the paper on Metropolis photon sampling: makes `docs/measured/METROPOLIS.md`.
 //!
-//! `cargo run --release --example metropolis -- 3 > docs/METROPOLIS.md` gives each picture of the equal-time tables 3 processor-seconds of one thread and
+//! `cargo run --release --example metropolis -- 2 > docs/measured/METROPOLIS.md` gives each picture of the equal-time tables 2 processor-seconds of one thread and
 //! each of their references thirty times as many. Names of scenes after the number choose among them. What was found stands in `findings.md`.
 
 mod contenders;
@@ -11,6 +11,7 @@ mod one_map;
 mod where_paths_lead;
 
 use std::error::Error;
+use std::process::Command;
 
 use photonfarm::evaluation::Machine;
 
@@ -29,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let seconds: f64 = arguments.next().map_or(Ok(3.0), |text| text.parse())?;
     let chosen: Vec<String> = arguments.collect();
     let is_chosen = |scene: &str| chosen.is_empty() || chosen.iter().any(|name| scene == name);
-    println!("{HEAD}\nOne thread of {}.", Machine::here().processor);
+    println!("{HEAD}\n{}, one thread of {}.", commit()?, Machine::here().processor);
     println!("\n## Table 1: one map\n\n{TABLE_ONE}\n\n{}", one_map::HEAD);
     let rows: Vec<&one_map::Row> = one_map::ROWS.iter().filter(|row| is_chosen(row.scene)).collect();
     for row in &rows {
@@ -55,10 +56,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
+/// Which commit this is, and of which day.
+fn commit() -> Result<String, Box<dyn Error>> {
+    let told = Command::new("git").args(["show", "--no-patch", "--format=Commit %h, %cs"]).output()?;
+    Ok(String::from_utf8(told.stdout)?.trim().to_owned())
+}
+
 const HEAD: &str = "\
 # Markov chains
 
-Made by `cargo run --release --example metropolis -- 3 > docs/METROPOLIS.md` (about forty minutes).
+Made by `cargo run --release --example metropolis -- 2 > docs/measured/METROPOLIS.md` (about forty minutes).
 
 What chains bring where photons by power hardly come to the picture: Metropolis photon sampling (`mps`), Metropolis light transport of whole paths (`mlt`) and of random numbers (`mmlt`), and photons by
 visibility (`emission: metropolis`), beside other methods. Rooms, jack-o'-lantern and mirror box are scenes of the paper on Metropolis photon sampling [Fan, Chenney & Lai 2005], modelled anew.
