@@ -1,7 +1,7 @@
 //! The API as the subcommands use it.
 
-mod image;
 mod members;
+mod picture;
 mod workers;
 
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use reqwest::{Method, Request, RequestBuilder, Response, StatusCode, Url, header
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
-pub(super) use image::Fetched;
+pub(super) use picture::Fetched;
 
 use super::exit_code::CliError;
 use super::token_option::TokenOption;

@@ -12,7 +12,7 @@
 use rayon::prelude::*;
 use wide::f32x8;
 
-use super::planes::{GROUPS, LANES, Layout, TILE, lanes, window};
+use super::planes::{GROUPS, LANES, Layout, TILE, exp, lanes, window};
 use super::similarity::Guide;
 use super::{Color, FEATURES, Twins};
 
@@ -118,7 +118,7 @@ impl Input {
                 distance = difference.mul_add(*difference, distance);
             }
             let exponent = (distance * f32x8::splat(FEATURE_REACH.powi(-2))).fast_min(f32x8::splat(MOST_EXPONENT));
-            let near = (-exponent).exp() * lanes(&self.inside, other);
+            let near = exp(-exponent) * lanes(&self.inside, other);
             for (twin, sums) in sums.iter_mut().enumerate() {
                 let color = self.colors[twin].each_ref().map(|channel| lanes(channel, other));
                 sums.add(similarities[1 - twin][index], near, &features, color);

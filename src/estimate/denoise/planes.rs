@@ -80,6 +80,12 @@ pub(super) fn lanes(values: &[f32], place: usize) -> f32x8 {
     f32x8::from(lanes)
 }
 
+/// e^`values`, with the same bits on every system.
+#[inline]
+pub(super) fn exp(values: f32x8) -> f32x8 {
+    f32x8::from(values.to_array().map(libm::expf))
+}
+
 /// The places of a window relative to its middle: columns and rows.
 pub(super) fn window() -> Vec<[isize; 2]> {
     let reach = WINDOW as isize;

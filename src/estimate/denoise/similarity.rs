@@ -11,7 +11,7 @@
 
 use wide::f32x8;
 
-use super::planes::{GROUPS, LANES, Layout, TILE, lanes};
+use super::planes::{GROUPS, LANES, Layout, TILE, exp, lanes};
 use super::{Color, Twins, box_mean::box_mean};
 
 /// Pixels on each side of one that make up its patch.
@@ -92,7 +92,7 @@ impl Guide {
             let patch = across[row..=row + 2 * PATCH].iter();
             let sum = patch.map(|across| lanes(across, column)).fold(f32x8::ZERO, |sum, next| sum + next);
             let mean = sum * f32x8::splat(1.0 / (2 * PATCH + 1).pow(2) as f32);
-            take(group, (-mean.fast_max(f32x8::ZERO)).exp());
+            take(group, exp(-mean.fast_max(f32x8::ZERO)));
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use super::blocking::blocking;
 use super::chores::Chore;
 use super::jobs::JobChanges;
 use super::request;
-use super::shared::{JobInTurn, JobRecord, Shared, blocking};
+use super::shared::{JobInTurn, JobRecord, Shared};
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
 use crate::farm::job::{JobState, JobStatus, StopRule};

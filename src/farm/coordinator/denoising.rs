@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex};
 
-use super::shared::blocking;
+use super::blocking::blocking;
 use crate::estimate::denoise::{Denoised, Features, Twins, denoise};
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;

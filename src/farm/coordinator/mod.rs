@@ -21,6 +21,7 @@
 //! | `options`, `limits`, `quotas` | how it runs, what it accepts, and what of one user |
 
 mod announcing;
+mod blocking;
 mod chores;
 mod clock;
 mod control;
@@ -58,6 +59,7 @@ use bytes::Bytes;
 use tokio::sync::watch;
 use tokio_util::sync::CancellationToken;
 
+pub(super) use blocking::blocking;
 pub use jobs::JobChanges;
 pub use limits::{FaultHooks, Limits, UserLimits};
 pub use options::CoordinatorOptions;
@@ -65,7 +67,7 @@ pub use pictures::LayeredPicture;
 pub(super) use results::{Delivered, Delivery, Payload};
 pub use scene_record::{SceneLayout, SceneSummary};
 pub use scenes::SceneUpload;
-pub(super) use shared::{JobRecord, Shared, blocking};
+pub(super) use shared::{JobRecord, Shared};
 
 use super::access::caller::Caller;
 use super::error::FarmError;

@@ -6,8 +6,9 @@ use std::time::Duration;
 
 use tokio::time::timeout;
 
+use super::blocking::blocking;
 use super::denoising::PictureState;
-use super::shared::{JobRecord, Shared, blocking};
+use super::shared::{JobRecord, Shared};
 use crate::estimate::denoise::{Denoised, Twins};
 use crate::estimate::picture_files::{Layer, PictureLayer};
 use crate::estimate::{Estimate, Picture};

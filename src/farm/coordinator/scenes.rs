@@ -7,9 +7,10 @@ use std::sync::atomic::{AtomicI64, Ordering};
 use bytes::Bytes;
 use tokio::sync::OwnedSemaphorePermit;
 
+use super::blocking::blocking;
 use super::quotas::OwnUpload;
 use super::scene_record::{SceneLayout, SceneRecord, SceneSummary};
-use super::shared::{Shared, blocking};
+use super::shared::Shared;
 use crate::farm::access::user::UserName;
 use crate::farm::error::FarmError;
 use crate::farm::prepared_scenes::prepare_scene;
