@@ -84,7 +84,7 @@ fn one_bright_pixel_does_not_starve_the_others() {
     );
     let [with, without] = [mirror.as_str(), ""].map(|mirror| scene(&[&view(), &walls, spot, mirror]));
     let share = |scene: &Arc<Scene>| {
-        let seen = picture(scene, "path", "{}", 64);
+        let seen = picture(scene, "bdpt", "{}", 64);
         brightest(&seen) / (256.0 * mean(&seen))
     };
     println!("share of the brightest pixel: {:.2}, {:.2} without the mirror", share(&with), share(&without));
@@ -92,9 +92,8 @@ fn one_bright_pixel_does_not_starve_the_others() {
     for method in CHAINED {
         // Pixels apart from the mirror and the lamp's cone.
         let noise = |scene: &Arc<Scene>| {
-            let expected = grays(&picture(scene, "path", "{}", 1024));
+            let expected = grays(&picture(scene, "bdpt", "{}", 1024));
             let usual = 3.0 * average(&expected[..16]);
-            println!("darkest {:.3}, usual {usual:.3}", expected.iter().copied().fold(f64::INFINITY, f64::min));
             let seen = grays(&picture(scene, method, "{}", 64));
             let others = seen.iter().zip(&expected).filter(|(_, expected)| **expected < usual);
             average(&others.map(|(seen, expected)| (seen / expected - 1.0).powi(2)).collect::<Vec<_>>()).sqrt()
