@@ -85,8 +85,8 @@ impl Plain {
             }
         }
         let plain = [0, 1, 2].map(|c| normal[9][10 + c] / normal[9][9]);
-        for row in 0..9 {
-            normal[row][row] = normal[row][row] * (1.0 + f64::from(RIDGE)) + f64::from(SLOPE_PRIOR);
+        for (index, row) in normal[..9].iter_mut().enumerate() {
+            row[index] = row[index] * (1.0 + f64::from(RIDGE)) + f64::from(SLOPE_PRIOR);
         }
         let solved = solve(normal);
         let linear = [0, 1, 2].map(|c| if solved[c] < 0.0 { plain[c] } else { solved[c] });

@@ -184,13 +184,15 @@ impl Sums {
         }
         for pivot in 0..constant {
             let inverse = f32x8::ONE / normal[pivot][pivot];
+            let below: [f32x8; UNKNOWNS] = std::array::from_fn(|row| normal[row][pivot]);
+            let known = right[pivot];
             for row in pivot + 1..UNKNOWNS {
-                let factor = normal[row][pivot] * inverse;
-                for column in pivot + 1..=row {
-                    normal[row][column] = (-factor).mul_add(normal[column][pivot], normal[row][column]);
+                let factor = -(below[row] * inverse);
+                for (value, below) in normal[row][pivot + 1..=row].iter_mut().zip(&below[pivot + 1..=row]) {
+                    *value = factor.mul_add(*below, *value);
                 }
-                for channel in 0..3 {
-                    right[row][channel] = (-factor).mul_add(right[pivot][channel], right[row][channel]);
+                for (value, known) in right[row].iter_mut().zip(known) {
+                    *value = factor.mul_add(known, *value);
                 }
             }
         }
