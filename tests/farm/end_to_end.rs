@@ -513,7 +513,7 @@ async fn a_job_without_workers_says_so() {
     timeout(Duration::from_secs(10), patience).await.expect("a notice").expect("the coordinator lives");
     let (_, _worker) = farm.worker("successor", 1);
     let back = status.wait_for(|status| status.waiting_for_workers_since.is_none());
-    assert_eq!(told(&*back.await.expect("the coordinator lives")), 0, "the notice goes when a worker comes");
+    assert_eq!(told(&back.await.expect("the coordinator lives")), 0, "the notice goes when a worker comes");
 }
 
 /// A job that waits for memory, one job too many, and a picture that never fits.

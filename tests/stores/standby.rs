@@ -181,7 +181,7 @@ async fn a_standby_takes_over_and_no_bit_changes() {
     let folder = tempfile::tempdir().expect("a folder");
     // Other tests leave users and scenes that no coordinator would write.
     let records = RecordsLocation::Postgres(database);
-    let store = open(&StoreLocation { records, ..StoreLocation::folder(&folder.path().join("emptied")) }).await;
+    let store = open(&StoreLocation { records, ..StoreLocation::folder(folder.path().join("emptied")) }).await;
     empty(&store).await;
     store.close().await;
     let blobs = format!("{bucket}/standby-{}", std::process::id());
