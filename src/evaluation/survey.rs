@@ -28,7 +28,8 @@ use crate::render::Cancelled;
 use crate::scene::Scene;
 
 /// The methods to choose from. Not the others: the error of `ppm`'s fixed hit points and of the fixed discs of `photon_map`, `mps` and `bdpm` does not
-/// show in their passes; `pbdpm` is `vcm` without half of its techniques, and `mlt` is behind `mmlt` wherever both were tried.
+/// show in their passes; `pbdpm` is `vcm` without half of its techniques, and `mmlt` stands for `mlt`, which is as far from the best wherever both were
+/// tried.
 const CANDIDATES: [Candidate; 7] = [
     Candidate::plain("sppm"),
     Candidate { method: "sppm", parameter: Some(["emission", "metropolis"]) },
