@@ -362,6 +362,28 @@ What a user is to a farm.
 """
 
 
+class BetweenCameras(BaseModel):
+    """
+    A camera between two of the scene's, in place of `camera`
+    """
+
+    model_config = ConfigDict(
+        extra='forbid',
+    )
+    from_: Annotated[str, Field(alias='from')]
+    """
+    The name of the camera that the way begins at, or its index among the scene's, from 0
+    """
+    share: float
+    """
+    The share of the way, from 0 to 1
+    """
+    to: str
+    """
+    The name of the camera that it ends at, or its index among the scene's, from 0
+    """
+
+
 class Crop(BaseModel):
     """
     The part of the whole picture that is rendered, pixels
@@ -396,6 +418,10 @@ class SceneChanges(BaseModel):
     model_config = ConfigDict(
         extra='forbid',
     )
+    between_cameras: BetweenCameras | None = None
+    """
+    A camera between two of the scene's, in place of `camera`
+    """
     camera: str | None = None
     """
     The name of a camera, or its index among the scene's, from 0
@@ -411,6 +437,10 @@ class SceneChanges(BaseModel):
     height: Annotated[int | None, Field(ge=1)] = None
     """
     Height of the whole picture, pixels; alone it keeps the picture's proportions
+    """
+    time: float | None = None
+    """
+    The moment that is shown of a scene in which things move, in the scene's own unit
     """
     width: Annotated[int | None, Field(ge=1)] = None
     """
