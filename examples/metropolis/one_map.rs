@@ -119,8 +119,6 @@ impl Row {
     fn sampling(&self) -> Vec<(&'static str, Value)> {
         const KINDS: [&str; 6] = ["bidirectional", "lens_subpath", "lens", "caustic", "photon_map", "user_path"];
         let changes = KINDS.into_iter().zip(self.changes.map(Value::from));
-        // Without user paths their share is not looked at, and with them it may not be 0.
-        let changes = changes.filter(|(_, share)| share != 0);
         self.gather().into_iter().chain(changes).chain([("photons_per_pass", json!(self.states))]).collect()
     }
 
