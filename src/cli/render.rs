@@ -15,7 +15,7 @@ use super::job_options::JobOptions;
 use super::outputs::{OutputOptions, default_outputs};
 use super::progress::{Progress, acceptance, passes_of, rate};
 use super::scene_input::picture_name;
-use super::tev::TevOption;
+use super::tev::{TevOption, TevViewer};
 use super::{signals, terminal, weight_maps};
 use crate::evaluation::{ProcessStopwatch, TimeShares, on_threads, time_shares};
 use crate::farm::job::{JobState, JobStatus};
@@ -91,17 +91,10 @@ impl Render {
             interrupted = signals::interrupted() => return interrupted.and(Err(CliError::Interrupted)),
         };
         let strategies = self.weight_maps.as_ref().map(|_| weight_maps::strategies(&job)).transpose()?;
-        let mut progress = Progress::new();
+        let progress = Progress::new();
         let name = picture_name(&self.job.scene).to_string_lossy().into_owned();
         let viewer = self.tev.show(client, &job.id, name, &self.output.layers);
-        let show = |status: &JobStatus| {
-            progress.show(status);
-            viewer.update(status);
-        };
-        let (status, interrupted) = follow_or_cancel(client, &job.id, show).await?;
-        progress.finish();
-        viewer.update(&status);
-        viewer.finish().await?;
+        let (status, interrupted) = follow_shown(client, &job.id, progress, viewer).await?;
         if status.state == JobState::Failed {
             let error = CliError::Failed(status.error.unwrap_or_else(|| "the job failed".to_owned()));
             return Err(error.about(&self.job.scene));
@@ -139,6 +132,24 @@ fn time_shares_of(job: &JobStatus, scene: &[u8], threads: usize) -> Result<Strin
         text += &share.map_or(String::new(), |share| format!(", {what} {:.0} %", 100.0 * share));
     }
     Ok(text)
+}
+
+/// Shows how a job goes until it ends. Its last status, and whether the user stopped it.
+async fn follow_shown(
+    client: &Client,
+    id: &str,
+    mut progress: Progress,
+    viewer: TevViewer,
+) -> Result<(JobStatus, bool), CliError> {
+    let show = |status: &JobStatus| {
+        progress.show(status);
+        viewer.update(status);
+    };
+    let (status, interrupted) = follow_or_cancel(client, id, show).await?;
+    progress.finish();
+    viewer.update(&status);
+    viewer.finish().await?;
+    Ok((status, interrupted))
 }
 
 /// The job's last status, and whether the user stopped it.

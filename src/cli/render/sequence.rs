@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{Render, follow_or_cancel, rates};
+use super::{Render, follow_shown, rates};
 use crate::cli::client::Client;
 use crate::cli::exit_code::CliError;
 use crate::cli::frames::Frame;
@@ -93,14 +93,7 @@ impl Render {
         progress.announce(heading);
         let name = frame.name(&picture_name(&self.job.scene).to_string_lossy());
         let viewer = self.tev.show(client, &job.id, name, &self.output.layers);
-        let show = |status: &JobStatus| {
-            progress.show(status);
-            viewer.update(status);
-        };
-        let (status, interrupted) = follow_or_cancel(client, &job.id, show).await?;
-        progress.finish();
-        viewer.update(&status);
-        viewer.finish().await?;
+        let (status, interrupted) = follow_shown(client, &job.id, progress, viewer).await?;
         if status.state == JobState::Failed {
             let error = status.error.unwrap_or_else(|| "the job failed".to_owned());
             return Err(CliError::Failed(format!("{heading}: {error}")).about(&self.job.scene));
