@@ -116,12 +116,15 @@ fn closed(object: ObjectBuilder) -> RefOr<Schema> {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use serde_json::{Value, json};
 
     use super::*;
     use crate::farm::job::SceneChanges;
 
-    fn names(object: &Value) -> Vec<&String> {
+    /// The fields of an object, in no order: documents and descriptions each have their own.
+    fn names(object: &Value) -> BTreeSet<&String> {
         object.as_object().expect("an object").keys().collect()
     }
 
