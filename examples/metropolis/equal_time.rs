@@ -29,7 +29,8 @@ fn contenders() -> Vec<Contender> {
         emitting("sppm", "guided"),
         emitting("sppm", "metropolis"),
         plain("bdpt"),
-        plain("vcm"),
+        emitting("vcm", "auto"),
+        emitting("vcm", "metropolis"),
         plain("path"),
     ]
 }

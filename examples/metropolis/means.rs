@@ -21,8 +21,9 @@ const SEEDS: u64 = 8;
 /// Prints the errors of means, where each picture takes `seconds`.
 pub(crate) fn print(seconds: f64) -> Result<(), Box<dyn Error>> {
     println!("| reference | method | mean error | of single pictures | relMSE |\n|---|---|---:|---:|---:|");
-    let chained = Contender::with("sppm", vec![("emission", Value::from("metropolis"))]);
-    let contenders = [Contender::plain("mmlt"), Contender::plain("mlt"), Contender::plain("mps"), chained];
+    let chained = |method| Contender::with(method, vec![("emission", Value::from("metropolis"))]);
+    let plain = Contender::plain;
+    let contenders = [plain("mmlt"), plain("mlt"), plain("mps"), chained("sppm"), chained("vcm")];
     for name in REFERENCES {
         let folder = Path::new("tests/references").join(name);
         let description = load_file(&folder.join("scene.xml"), &[])?;

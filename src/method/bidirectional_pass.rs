@@ -1,7 +1,7 @@
 //! One pass of the methods that make paths from two ends: light subpaths first, kept where the method connects or merges them;
 //! then a camera subpath per pixel, joined with them.
 //!
-//! Memory: 80 bytes per vertex that is kept to be connected, 52 per photon that is kept to be merged. Roulette keeps their number near the number of light
+//! Memory: 80 bytes per vertex that is kept to be connected, 52 per photon (twice as many with chains) that is kept to be merged. Roulette keeps their number near the number of light
 //! subpaths times their mean length, which grows with the reflectance of the scene.
 
 use std::ops::Range;
@@ -41,10 +41,10 @@ const SEARCHED_AREA: f32 = 4.0;
 /// A scene and settings, ready to trace.
 pub struct BidirectionalPasses {
     scene: Arc<Scene>,
-    seed: u64,
+    pub(super) seed: u64,
     settings: PassSettings,
     weighting: Weighting,
-    light_paths: u32,
+    pub(super) light_paths: u32,
     /// Finds first radii as `sppm` does.
     pilot: PhotonPasses,
 }
@@ -58,6 +58,8 @@ struct LightChunk {
     ends: Vec<u32>,
     /// Those that are merged.
     photons: Vec<MergePhoton>,
+    /// How much chains seek each subpath, where there are chains.
+    targets: Vec<f64>,
     /// What the camera sees: index of the pixel in the region, radiance.
     splats: Vec<(u32, Rgb)>,
     counters: Counters,
@@ -69,9 +71,21 @@ struct LightPaths {
     vertices: Vec<StoredVertex>,
     ends: Vec<u32>,
     map: Option<PhotonMap<MergeRecord>>,
+    /// As many subpaths as weights take photons to come from.
+    merged: f32,
 }
 
 impl LightPaths {
+    fn new(chunks: Vec<LightChunk>, map: Option<PhotonMap<MergeRecord>>, merged: f32) -> Self {
+        let mut paths = Self { map, merged, ..Self::default() };
+        for chunk in chunks {
+            let first = paths.vertices.len() as u32;
+            paths.ends.extend(chunk.ends.iter().map(|end| first + end));
+            paths.vertices.extend(chunk.vertices);
+        }
+        paths
+    }
+
     /// The vertices of subpath `path`.
     fn range(&self, path: usize) -> Range<usize> {
         let start = if path == 0 { 0 } else { self.ends[path - 1] };
@@ -117,27 +131,33 @@ impl BidirectionalPasses {
         CameraWalk { scene: &self.scene, limits, weighting: self.weighting, selection, random }
     }
 
-    /// ηᵝ of a pixel, counted in the region.
-    fn acceptance(&self, pass: &Pass<'_>, pixel: usize) -> f32 {
+    /// ηᵝ of a pixel, counted in the region, where photons are taken to come from `paths` light subpaths.
+    fn acceptance(&self, pass: &Pass<'_>, pixel: usize, paths: f32) -> f32 {
         if !self.uses(Techniques::MERGE) {
             return 0.0;
         }
         let radius_squared = pass.radius_squared[pixel] * pass.scale;
         let area_share =
             if self.settings.merging.neighbors == 0 { radius_squared } else { radius_squared / SEARCHED_AREA };
-        self.weighting.acceptance(area_share)
+        self.weighting.acceptance(area_share, paths)
     }
 
-    /// Traces the light subpaths `paths`.
-    fn light_chunk(&self, pass: &Pass<'_>, random: &PassRandom, paths: Range<u32>) -> LightChunk {
-        let walk = LightWalk { scene: &self.scene, limits: self.settings.limits, weighting: self.weighting, random };
+    /// The walk of the light subpaths of a pass.
+    pub(super) fn light_walk<'a>(&'a self, random: &'a PassRandom) -> LightWalk<'a> {
+        LightWalk { scene: &self.scene, limits: self.settings.limits, weighting: self.weighting, random }
+    }
+
+    /// Traces the light subpaths `paths`; chains weigh the photons of each.
+    fn light_chunk(&self, pass: &Pass<'_>, random: &PassRandom, paths: Range<u32>, merged: &Merged<'_>) -> LightChunk {
+        let walk = self.light_walk(random);
         let mut chunk = LightChunk::default();
-        let LightChunk { vertices, ends, photons, splats, counters } = &mut chunk;
+        let LightChunk { vertices, ends, photons, targets, splats, counters } = &mut chunk;
         let keeps = u64::from(self.uses(Techniques::MERGE) || self.uses(Techniques::CONNECT));
         for path in paths {
+            let first = photons.len();
             walk.trace(path, counters, |vertex, random, counters| {
                 if self.uses(Techniques::CAMERA) {
-                    self.splat(&walk, pass, vertex, random, splats, counters);
+                    self.splat(&walk, (pass, merged.paths), vertex, random, splats, counters);
                 }
                 if self.uses(Techniques::MERGE) {
                     photons.extend(MergePhoton::new(vertex));
@@ -148,6 +168,7 @@ impl BidirectionalPasses {
                 counters.photons_stored += keeps;
             });
             ends.push(vertices.len() as u32);
+            targets.extend(merged.weigh.map(|weigh| weigh(&mut photons[first..])));
         }
         chunk
     }
@@ -155,7 +176,7 @@ impl BidirectionalPasses {
     fn splat(
         &self,
         walk: &LightWalk<'_>,
-        pass: &Pass<'_>,
+        (pass, merged): (&Pass<'_>, f32),
         vertex: &Vertex,
         random: &PathRandom,
         splats: &mut Vec<(u32, Rgb)>,
@@ -166,7 +187,7 @@ impl BidirectionalPasses {
         seen.for_each_pixel(&self.scene, |pixel, filter| {
             if region.contains(&pixel) {
                 let pixel = pixel - region.start;
-                let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize));
+                let weight = seen.weight(&self.weighting, self.acceptance(pass, pixel as usize, merged));
                 let radiance = seen.radiance * (filter / self.weighting.light_paths);
                 splats.push((pixel, self.settings.selection.shown(radiance, weight)));
             }
@@ -182,42 +203,87 @@ impl BidirectionalPasses {
         cancel: &AtomicBool,
     ) -> Option<LightPaths> {
         let random = PassRandom::independent(self.seed, Stream::Photon, pass.index);
-        let chunks: Option<Vec<LightChunk>> = (0..self.light_paths.div_ceil(PATHS_PER_CHUNK))
+        let importance = match self.settings.chains {
+            true => self.pilot.importance_map(pass.index, total),
+            false => None,
+        };
+        let Some(importance) = importance else {
+            let merged = Merged { paths: self.light_paths as f32, weigh: None };
+            let mut chunks = self.light_chunks(pass, &random, &merged, cancel)?;
+            self.show(pass, &chunks, pixels, total);
+            let grid = self.grid(pass, self.light_paths);
+            let map = self.uses(Techniques::MERGE).then(|| photon_map(&mut chunks, Vec::new(), grid));
+            return Some(LightPaths::new(chunks, map, merged.paths));
+        };
+        let chains = self.chains(pass, &random, &importance);
+        let tried = chains.tried(cancel)?;
+        let weigh = |photons: &mut [MergePhoton]| chains.weigh(&tried, photons);
+        let merged = Merged { paths: tried.visible_paths(), weigh: Some(&weigh) };
+        let mut chunks = self.light_chunks(pass, &random, &merged, cancel)?;
+        self.show(pass, &chunks, pixels, total);
+        let targets: Vec<f64> = chunks.iter_mut().flat_map(|chunk| std::mem::take(&mut chunk.targets)).collect();
+        let grid = self.grid(pass, self.light_paths.saturating_mul(2));
+        let (chained, counted) = chains.from(&tried, &targets, &grid, cancel)?;
+        *total += counted;
+        total.rays += tried.rays;
+        total.photons_emitted = chains.paths();
+        let map = photon_map(&mut chunks, chained, grid);
+        Some(LightPaths::new(chunks, Some(map), merged.paths))
+    }
+
+    fn light_chunks(
+        &self,
+        pass: &Pass<'_>,
+        random: &PassRandom,
+        merged: &Merged<'_>,
+        cancel: &AtomicBool,
+    ) -> Option<Vec<LightChunk>> {
+        (0..self.light_paths.div_ceil(PATHS_PER_CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let first = chunk * PATHS_PER_CHUNK;
                 let paths = first..self.light_paths.min(first.saturating_add(PATHS_PER_CHUNK));
-                (!cancel.load(Ordering::Relaxed)).then(|| self.light_chunk(pass, &random, paths))
+                (!cancel.load(Ordering::Relaxed)).then(|| self.light_chunk(pass, random, paths, merged))
             })
-            .collect();
-        let mut chunks = chunks?;
-        for chunk in &chunks {
+            .collect()
+    }
+
+    /// Adds what the camera sees of light subpaths to `pixels`.
+    fn show(&self, pass: &Pass<'_>, chunks: &[LightChunk], pixels: &mut [PixelTally], total: &mut Counters) {
+        for chunk in chunks {
             *total += chunk.counters;
             for (pixel, radiance) in &chunk.splats {
                 add_to_tally(&mut pixels[*pixel as usize], pass, *radiance, &Gathered::default(), total);
             }
         }
-        let map = self.uses(Techniques::MERGE).then(|| self.photon_map(pass, &mut chunks));
-        let mut paths = LightPaths { map, ..LightPaths::default() };
-        for chunk in chunks {
-            let first = paths.vertices.len() as u32;
-            paths.ends.extend(chunk.ends.iter().map(|end| first + end));
-            paths.vertices.extend(chunk.vertices);
-        }
-        Some(paths)
     }
 
-    /// Sorts the photons of all chunks by place.
-    fn photon_map(&self, pass: &Pass<'_>, chunks: &mut [LightChunk]) -> PhotonMap<MergeRecord> {
+    /// Cells for the photons of so many paths.
+    fn grid(&self, pass: &Pass<'_>, paths: u32) -> Grid {
         let (low, high) = self.scene.geometry.bounds();
         // The search for the nearest begins with two cells, about where it ends.
         let cells_per_radius = if self.settings.merging.neighbors == 0 { 0.5 } else { 4.0 };
         let cell = pass.typical_radius_squared.sqrt() / cells_per_radius;
-        let grid = Grid::new(low, high, cell, 4 * u64::from(self.light_paths).max(1 << 14));
-        let sorted: Vec<PhotonChunk<MergePhoton>> =
-            chunks.par_iter_mut().map(|chunk| PhotonChunk::sort(&std::mem::take(&mut chunk.photons), &grid)).collect();
-        PhotonMap::build(&sorted, grid)
+        Grid::new(low, high, cell, 4 * u64::from(paths).max(1 << 14))
     }
+}
+
+/// What is known of merged photons before light subpaths are traced.
+struct Merged<'a> {
+    /// As many subpaths as weights take them to come from.
+    paths: f32,
+    /// Makes the photons of a subpath count beside those of chains; how much chains seek it.
+    weigh: Option<&'a Weigh<'a>>,
+}
+
+type Weigh<'a> = dyn Fn(&mut [MergePhoton]) -> f64 + Sync + 'a;
+
+/// Sorts the photons of all chunks by place, and those of chains with them.
+fn photon_map(chunks: &mut [LightChunk], chained: Vec<PhotonChunk<MergePhoton>>, grid: Grid) -> PhotonMap<MergeRecord> {
+    let sort = |chunk: &mut LightChunk| PhotonChunk::sort(&std::mem::take(&mut chunk.photons), &grid);
+    let mut sorted: Vec<PhotonChunk<MergePhoton>> = chunks.par_iter_mut().map(sort).collect();
+    sorted.extend(chained);
+    PhotonMap::build(&sorted, grid)
 }
 
 /// The camera subpaths of a pass, on one thread.
@@ -237,7 +303,7 @@ impl CameraPass<'_> {
     fn trace_pixel(&mut self, pixel: usize, tally: &mut PixelTally) {
         let Self { passes, pass, walk, paths, own, nearest, counters } = self;
         let index = pixels_of(pass.region, passes.scene.width).start + pixel as u32;
-        let acceptance = passes.acceptance(pass, pixel);
+        let acceptance = passes.acceptance(pass, pixel, paths.merged);
         own.clear();
         if passes.uses(Techniques::CONNECT) {
             let path = (index % passes.light_paths) as usize;

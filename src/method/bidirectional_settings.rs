@@ -35,6 +35,8 @@ pub struct PassSettings {
     pub merging: MergeSettings,
     /// How lights are picked for light subpaths.
     pub emission: Emission,
+    /// Whether as many photons again, which are only merged, are states of chains that stay where camera subpaths look.
+    pub chains: bool,
 }
 
 /// How vertices are merged.
@@ -83,7 +85,8 @@ impl PassSettings {
         let selection = Selection { length, strategy, show: paths.show };
         let (heuristic, measure) = (Heuristic::Balance, Measure::Area);
         let merging = MergeSettings::discs(Auto::Auto, Occlusion::Off);
-        Self { techniques, heuristic, measure, limits, selection, merging, emission: Emission::Power }
+        let (emission, chains) = (Emission::Power, false);
+        Self { techniques, heuristic, measure, limits, selection, merging, emission, chains }
     }
 
     /// Whether any of `techniques` is in use.

@@ -3,6 +3,7 @@
 
 pub mod bdpm;
 pub mod bdpt;
+mod bidirectional_chains;
 pub mod bidirectional_pass;
 pub mod bidirectional_settings;
 mod bounded_numbers;

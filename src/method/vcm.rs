@@ -16,18 +16,19 @@ use std::sync::Arc;
 
 use super::bidirectional_settings::{MergeSettings, PassSettings, Paths};
 use super::parameter_values::{
-    All, Auto, Depth, Emission, LightPicks, MergingRadiusRule, OpenUnit, Passes, PathLength, PhotonCount, Radius,
-    RouletteDepth, Subpaths, Switch,
+    All, Auto, Depth, Emission, LightPicks, MergingRadiusRule, OpenUnit, Passes, PathLength, PhotonCount,
+    PhotonEmission, Radius, RouletteDepth, Subpaths, Switch,
 };
 use super::parameters::{ParameterSet, parameter, parameters, read_method};
 use super::shared_parameters::{
     ALPHA, HEURISTIC, LENGTH, LIGHT_PICKS, LIGHT_SUBPATHS, MAX_DEPTH, MERGING_RADIUS, MERGING_RADIUS_RULE, OCCLUSION,
-    PASSES, SHOW, STRATEGY, SUBPATH_EMISSION, SUBPATH_RR_DEPTH,
+    PASSES, SHOW, STRATEGY, SUBPATH_RR_DEPTH,
 };
 use super::visibility_pilot::LightSampling;
 use super::{Bias, Contradiction, Gathering, MethodEntry, ParameterizedMethod, PreparedMethod, SceneTraits, Strategy};
 use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
+use crate::transport::counters::Step;
 use crate::transport::occlusion::Occlusion;
 
 /// The row of the table.
@@ -58,7 +59,13 @@ parameters! {
         strategy: All<Subpaths> = STRATEGY,
         show: Show = SHOW,
         light_picks: LightPicks = LIGHT_PICKS,
-        emission: Emission = SUBPATH_EMISSION,
+        emission: PhotonEmission = parameter(
+            "how a light is picked for light subpaths and photons: by power; guided, mostly where they reach what pixels see, weighted \
+             for it; auto: guided where the pilot finds that it helps; metropolis: as auto, and as many photons again to merge with, in \
+             chains of whole paths that stay where the picture looks, weighted for it",
+            PhotonEmission::Auto,
+            "auto",
+        ),
         max_depth: Depth = MAX_DEPTH,
         rr_depth: RouletteDepth = SUBPATH_RR_DEPTH,
         length: All<PathLength> = LENGTH,
@@ -80,7 +87,8 @@ impl Parameters {
         PassSettings {
             heuristic: self.heuristic,
             merging,
-            emission: self.emission,
+            emission: self.emission.of_paths(),
+            chains: self.emission == PhotonEmission::Metropolis,
             ..PassSettings::new(techniques, &paths)
         }
     }
@@ -130,10 +138,19 @@ impl ParameterizedMethod for Parameters {
     }
 
     fn may_guide_photons(&self) -> bool {
-        self.emission != Emission::Power
+        self.emission.of_paths() != Emission::Power
+    }
+
+    fn proposals(&self) -> &'static [Step] {
+        self.emission.proposals()
     }
 
     fn contradiction(&self) -> Option<Contradiction> {
+        if self.emission == PhotonEmission::Metropolis && !self.merge.is_on() {
+            let problem = "\"emission\" is \"metropolis\", which makes photons to merge with, and \"merge\" is \"off\""
+                .to_owned();
+            return Some(Contradiction { problem, remedy: "switch merge on, or give another emission".to_owned() });
+        }
         self.settings().contradiction()
     }
 

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use super::counters::Counters;
 use super::light_path::emission_point;
-use super::photon_map::{PhotonWith, TracedPhoton};
+use super::photon_map::{PhotonRecord, PhotonWith, TracedPhoton};
 use super::photon_tracing::PhotonSettings;
 use super::projection::SpecularBoxes;
 use super::specular_chain::ChainTracer;

@@ -116,7 +116,7 @@ fn subpaths(scene: &Scene, weighting: Weighting, index: u32) -> (Vec<Vertex>, Ve
     let camera_walk = CameraWalk { scene, limits, weighting, selection, random: &random };
     let (mut light, mut camera, mut counters) = (Vec::new(), Vec::new(), Counters::default());
     light_walk.trace(index, &mut counters, |vertex, _, _| light.push(*vertex));
-    camera_walk.trace(index, weighting.acceptance(RADIUS_SQUARED), &mut counters, |vertex, _, _| {
+    camera_walk.trace(index, weighting.acceptance(RADIUS_SQUARED, LIGHT_PATHS), &mut counters, |vertex, _, _| {
         camera.push(*vertex);
         Vec3::ZERO
     });
@@ -142,7 +142,7 @@ fn assert_near(found: f32, expected: f64, what: &str) -> bool {
 
 /// Compares the weights of all joints of many subpath pairs; returns how many there were of each kind.
 fn check_weights(scene: &Arc<Scene>, weighting: Weighting) -> [u32; 3] {
-    let acceptance = weighting.acceptance(RADIUS_SQUARED);
+    let acceptance = weighting.acceptance(RADIUS_SQUARED, LIGHT_PATHS);
     let mut checked = [0; 3];
     for index in 0..400 {
         let (light, camera) = subpaths(scene, weighting, index);

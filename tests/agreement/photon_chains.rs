@@ -41,14 +41,39 @@ fn a_photon_map_of_chains_makes_the_same_picture() {
     }
 }
 
+/// Weights count the photons of chains, too, so that merging has another share of the bias, which small discs keep small.
+#[test]
+fn merging_photons_of_chains_makes_the_picture_of_photons_by_power() {
+    let scenes = [
+        (reference_scene("door-ajar"), 0.05),
+        (reference_scene("cornell-glass"), 0.02),
+        (repository_scene("jack-o-lantern/scene.xml", "32"), 0.1),
+    ];
+    for (index, (scene, blind)) in scenes.iter().enumerate() {
+        for connect in ["on", "off"] {
+            let parameters = |emission: &str| {
+                format!(
+                    r#"{{"photons_per_pass": 10000, "initial_radius": 0.03, "connect": "{connect}", "emission": "{emission}"}}"#
+                )
+            };
+            let [chains, power] =
+                ["metropolis", "power"].map(|emission| mean_and_error(scene, "vcm", &parameters(emission), 4));
+            assert_same(chains, power, 0.002, &format!("scene {index}, connect {connect}, chains and by power"));
+            assert!(chains[1] < blind * chains[0], "scene {index}, connect {connect}: the test is blind");
+        }
+    }
+}
+
 /// All photons come to the picture: chains change nothing, but their weights must still be right.
 #[test]
 fn a_furnace_of_photon_chains_is_a_furnace() {
     let scene = reference_scene("furnace-closed");
     let parameters = r#"{"initial_radius": 0.01, "photons_per_pass": 16384, "emission": "metropolis"}"#;
-    let [found, error, _] = mean_and_error(&scene, "sppm", parameters, 4);
-    println!("{found:.5} ± {error:.5}");
-    assert!((found - 1.0).abs() < ERRORS * error + 0.003 && error < 0.0035, "{found} ± {error}");
+    for method in ["sppm", "vcm"] {
+        let [found, error, _] = mean_and_error(&scene, method, parameters, 4);
+        println!("{method}: {found:.5} ± {error:.5}");
+        assert!((found - 1.0).abs() < ERRORS * error + 0.003 && error < 0.0035, "{method}: {found} ± {error}");
+    }
 }
 
 /// Where a lamp in a closed room takes nearly all power, chains begin where a guide says.
@@ -69,7 +94,7 @@ fn chains_find_what_few_photons_reach() {
 #[test]
 fn photons_of_chains_have_the_same_bits_from_any_number_of_threads() {
     let scene = repository_scene("sealed-lamp/scene.xml", "24");
-    for method in ["sppm", "ppm", "photon_map"] {
+    for method in ["sppm", "ppm", "vcm", "photon_map"] {
         let parameters = r#"{"photons_per_pass": 10000, "emission": "metropolis"}"#;
         let bits = bits_of_threads(&scene, method, parameters);
         assert!(bits[0] == bits[1] && bits[1] == bits[2], "{method}");
@@ -90,7 +115,12 @@ fn what_chains_cannot_do_is_refused() {
             r#"{"emission": "metropolis", "caustic_splitting": 20}"#,
             "\"caustic_splitting\" chooses among photons that \"emission\": \"metropolis\" has chosen already; leave one of them out",
         ),
-        ("vcm", r#"{"emission": "metropolis"}"#, "\"emission\" is \"metropolis\"; allowed: auto, power, guided"),
+        ("bdpt", r#"{"emission": "metropolis"}"#, "\"emission\" is \"metropolis\"; allowed: auto, power, guided"),
+        (
+            "vcm",
+            r#"{"emission": "metropolis", "merge": "off"}"#,
+            "\"emission\" is \"metropolis\", which makes photons to merge with, and \"merge\" is \"off\"; switch merge on, or give another emission",
+        ),
         ("mmlt", r#"{"large_steps": 0}"#, "\"large_steps\" is 0; allowed: 1 to 100"),
     ];
     for (method, parameters, expected) in refused {

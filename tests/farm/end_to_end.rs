@@ -265,6 +265,7 @@ async fn killed_workers_do_not_change_the_pictures_of_chains() {
         ("mlt", whole_paths.clone()),
         ("mps", whole_paths),
         ("sppm", json!({ "emission": "metropolis", "photons_per_pass": 3000 })),
+        ("vcm", json!({ "emission": "metropolis" })),
     ] {
         let parameters = parameters.as_object().expect("an object");
         let mut pictures = Vec::new();

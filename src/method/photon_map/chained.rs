@@ -1,6 +1,7 @@
 //! Photons of chains of whole paths, which stay where the picture looks photons up: caustics where the camera sees a surface, all others where gather
 //! rays end. [Fan et al. 2005] store photons at the same places.
 
+use std::marker::PhantomData;
 use std::sync::atomic::AtomicBool;
 
 use super::TwoPasses;
@@ -9,7 +10,7 @@ use crate::math::random::Stream;
 use crate::method::Pass;
 use crate::transport::Counters;
 use crate::transport::importance_map::{ImportanceMap, LEAST_ACCEPTANCE};
-use crate::transport::metropolis::photon_chains::PhotonChains;
+use crate::transport::metropolis::photon_chains::{PhotonChains, StoringTracer, uniform_of};
 use crate::transport::photon_map::{OriginPhoton, Photon, PhotonMap};
 
 /// How important photons are to a pass.
@@ -45,14 +46,18 @@ impl TwoPasses {
         cancel: &AtomicBool,
     ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
         let random = numbers.of(self.seed, pass.index, numbers.stream);
+        let settings = self.photon_settings(&random, photons, pass.guide);
+        let uniform = uniform_of(photons);
         let chains = PhotonChains {
-            scene: &self.scene,
-            settings: self.photon_settings(&random, photons, pass.guide),
+            tracer: StoringTracer::<OriginPhoton> { scene: &self.scene, settings, photon: PhantomData },
             importance: |photon: &Photon| importance.of(photon),
+            uniform,
+            chained: photons - uniform,
+            random: &random,
             mutations: numbers.of(self.seed, pass.index, Stream::Chain),
             trials: numbers.of(self.seed, pass.index, Stream::Trial),
         };
-        let (chunks, counters) = chains.trace::<OriginPhoton>(&self.grid(&self.global), cancel)?;
+        let (chunks, counters) = chains.trace(&self.grid(&self.global), cancel)?;
         Some((self.sorted(&chunks), counters))
     }
 }

@@ -12,7 +12,7 @@ use crate::method::pilot::PilotView;
 use crate::transport::Counters;
 use crate::transport::camera_walk::GatherPoint;
 use crate::transport::importance_map::{ImportanceMap, Importon};
-use crate::transport::photon_map::OriginPhoton;
+use crate::transport::photon_map::{OriginPhoton, PhotonRecord};
 
 /// Which photons of the global map are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

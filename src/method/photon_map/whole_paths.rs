@@ -15,7 +15,7 @@ use crate::transport::Counters;
 use crate::transport::metropolis::chains::{Chains, Found, Lengths};
 use crate::transport::metropolis::eye_subpaths::EyeSubpaths;
 use crate::transport::metropolis::photon_paths::PhotonPaths;
-use crate::transport::photon_map::{OriginPhoton, Photon, PhotonChunk, PhotonMap, trace_chunks};
+use crate::transport::photon_map::{OriginPhoton, Photon, PhotonChunk, PhotonMap, PhotonRecord, trace_chunks};
 use crate::transport::photon_tracing::trace_photon;
 use crate::transport::visibility::SHADOW_END;
 

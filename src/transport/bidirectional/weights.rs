@@ -146,10 +146,10 @@ impl Weighting {
         f32::from(u8::from(self.techniques.any(technique)))
     }
 
-    /// ηᵝ for a merging radius.
+    /// ηᵝ for a merging radius where photons lie as densely as those of so many light subpaths.
     #[inline]
-    pub fn acceptance(&self, radius_squared: f32) -> f32 {
-        self.raise_by(1.0, std::f32::consts::PI * radius_squared * self.light_paths)
+    pub fn acceptance(&self, radius_squared: f32, paths: f32) -> f32 {
+        self.raise_by(1.0, std::f32::consts::PI * radius_squared * paths)
     }
 
     /// At the first hit of a light subpath, where the cosine is `cosine`.

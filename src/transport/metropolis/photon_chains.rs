@@ -2,7 +2,7 @@
 //! "Robust adaptive photon tracing using photon path visibility"].
 //!
 //! The target I of a path is the largest importance of its photons, between a small share and 1. A pass samples some of its paths
-//! uniformly: they are photons like any others, and chains start at some of them, picked in proportion to I, so that no chain has a start-up bias
+//! uniformly: they are photons like any others (`vcm` also connects them), and chains start at some of them, picked in proportion to I, so that no chain has a start-up bias
 //! [Veach 1997, 11.3.1]. By the balance heuristic a photon of either kind counts 1/(n_u + n_c·I/b₀), with n_u uniform paths, n_c states of chains, and
 //! b₀ about the mean of I; states of chains count b/b₀ times as much, b being the mean of I over the pass's uniform paths. Whatever b₀ is that does
 //! not depend on them, means are right, since b and the starting paths belong together.
@@ -10,6 +10,7 @@
 //! Large steps are the paper's replica exchange: with a uniform target a replica's state is an independent path, which is taken with the probability
 //! min(1, I'/I), and uniform paths count as photons, too. How large small steps are is tuned in every pass by chains of their own, and then left as it is.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
@@ -22,10 +23,10 @@ use crate::scene::Scene;
 use crate::transport::Counters;
 use crate::transport::counters::Step;
 use crate::transport::importance_map::LEAST_ACCEPTANCE;
-use crate::transport::photon_map::{Grid, Photon, PhotonChunk, TracedPhoton, trace_chunks};
+use crate::transport::photon_map::{Grid, Photon, PhotonChunk, PhotonRecord, TracedPhoton, trace_chunks};
 use crate::transport::photon_tracing::{PhotonSettings, trace_photon_with};
 
-/// One path in so many of a pass is sampled uniformly.
+/// One path in so many is sampled uniformly where nothing else asks for more.
 const UNIFORM: u32 = 4;
 /// Beside the paths of a pass one in so many tells b₀, and as many how large steps should be.
 const TRIALS: u32 = 64;
@@ -57,18 +58,55 @@ const MOVED: [usize; 6] = [
 /// Blocks that are kept.
 const BLOCKS: usize = MOVED[5] + 1;
 
-/// Makes the photons of a pass; `I` says how important a photon is, at most 1.
-pub struct PhotonChains<'a, I> {
+/// How photons are made of a path's numbers.
+pub trait PhotonTracer: Sync {
+    /// What a path leaves.
+    type Photon: PhotonRecord;
+
+    /// Traces path `path` and appends its photons.
+    fn trace(&self, path: u32, numbers: &impl Numbers, photons: &mut Vec<Self::Photon>, counters: &mut Counters);
+}
+
+/// Photons that are stored as settings say.
+pub struct StoringTracer<'a, R> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Which photons are stored; its numbers are those of uniform paths.
+    /// Which photons are stored.
     pub settings: PhotonSettings<'a>,
-    /// How important a photon is to the picture, above 0 and at most 1.
+    /// What is stored.
+    pub photon: PhantomData<fn() -> R>,
+}
+
+impl<R: TracedPhoton> PhotonTracer for StoringTracer<'_, R> {
+    type Photon = R;
+
+    #[inline]
+    fn trace(&self, path: u32, numbers: &impl Numbers, photons: &mut Vec<R>, counters: &mut Counters) {
+        trace_photon_with(self.scene, &self.settings, path, numbers, photons, counters);
+    }
+}
+
+/// Makes the photons of a pass by `T`; `I` says how important a photon is to the picture, above 0 and at most 1.
+pub struct PhotonChains<'a, T, I> {
+    /// How a path becomes photons.
+    pub tracer: T,
+    /// How important they are.
     pub importance: I,
+    /// n_u.
+    pub uniform: u32,
+    /// n_c.
+    pub chained: u32,
+    /// The numbers of uniform paths.
+    pub random: &'a PassRandom,
     /// The numbers of mutations.
     pub mutations: PassRandom,
     /// The numbers of paths that tell b₀.
     pub trials: PassRandom,
+}
+
+/// How many of a pass's paths should be sampled uniformly.
+pub fn uniform_of(paths: u32) -> u32 {
+    paths.div_ceil(UNIFORM)
 }
 
 /// The numbers of a path: some that small steps move, and those of an address behind them.
@@ -127,11 +165,13 @@ impl Weights {
 }
 
 /// What trials told.
-struct Tried {
-    /// b₀.
-    expected: f32,
+pub struct Tried {
+    /// As far as it is known.
+    weights: Weights,
     /// The largest step of small changes.
     largest_step: f32,
+    /// What they took.
+    pub rays: u64,
 }
 
 /// The paths that were sampled uniformly.
@@ -141,38 +181,36 @@ struct UniformPaths<R> {
     counters: Counters,
 }
 
-impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
+impl Tried {
+    /// As many uniform paths leave photons as densely where the picture looks.
+    pub fn visible_paths(&self) -> f32 {
+        self.weights.uniform + self.weights.chained / self.weights.expected
+    }
+}
+
+impl<T: PhotonTracer, I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, T, I> {
     /// The photons of the pass, in the order of their paths; `None` when cancelled.
-    pub fn trace<R: TracedPhoton>(&self, grid: &Grid, cancel: &AtomicBool) -> Option<(Vec<PhotonChunk<R>>, Counters)> {
-        let paths = self.settings.paths;
-        let uniform = paths.div_ceil(UNIFORM);
-        let (Tried { expected, largest_step }, trials) = self.tried::<R>(paths.div_ceil(TRIALS), cancel)?;
-        let mut weights = Weights { uniform: uniform as f32, chained: (paths - uniform) as f32, expected, ratio: 1.0 };
-        let UniformPaths { mut chunks, targets, mut counters } = self.uniform::<R>(&weights, uniform, grid, cancel)?;
-        counters.rays += trials.rays;
-        // Every target is above 0.
-        if let Some(starts) = Discrete::new(&targets) {
-            weights.ratio = (starts.total() / targets.len() as f64) as f32 / expected;
-            let chains = |states: Range<u32>, counters: &mut Counters| {
-                let mut photons = Vec::new();
-                for first in states.clone().step_by(STATES as usize) {
-                    let states = first..states.end.min(first + STATES);
-                    self.chain(&weights, &starts, largest_step, states, &mut photons, counters);
-                }
-                PhotonChunk::store(photons, grid, counters)
-            };
-            let (chained, found) = trace_chunks(paths - uniform, cancel, chains)?;
-            chunks.extend(chained);
-            counters += found;
-        }
-        counters.photons_emitted = u64::from(paths);
+    pub fn trace(&self, grid: &Grid, cancel: &AtomicBool) -> Option<(Vec<PhotonChunk<T::Photon>>, Counters)> {
+        let tried = self.tried(cancel)?;
+        let UniformPaths { mut chunks, targets, mut counters } = self.uniform(&tried, grid, cancel)?;
+        let (chained, found) = self.from(&tried, &targets, grid, cancel)?;
+        chunks.extend(chained);
+        counters += found;
+        counters.rays += tried.rays;
+        counters.photons_emitted = self.paths();
         Some((chunks, counters))
     }
 
-    /// Traces paths that are nothing else.
-    fn tried<R: TracedPhoton>(&self, count: u32, cancel: &AtomicBool) -> Option<(Tried, Counters)> {
+    /// n_u + n_c, over which photons are averaged.
+    pub fn paths(&self) -> u64 {
+        u64::from(self.uniform) + u64::from(self.chained)
+    }
+
+    /// Traces paths that are nothing else; `None` when cancelled.
+    pub fn tried(&self, cancel: &AtomicBool) -> Option<Tried> {
+        let count = (self.uniform + self.chained).div_ceil(TRIALS);
         let (targets, mut counters) = trace_chunks(count, cancel, |paths, counters| {
-            let mut photons: Vec<R> = Vec::new();
+            let mut photons = Vec::new();
             let mut target = |path: u32| {
                 photons.clear();
                 f64::from(self.photons(path, &self.trials.path(path), &mut photons, counters))
@@ -181,28 +219,60 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
         })?;
         let targets = targets.concat();
         let expected = (targets.iter().sum::<f64>() / f64::from(count)) as f32;
-        let Some(starts) = Discrete::new(&targets) else {
-            return Some((Tried { expected, largest_step: LARGEST_STEP }, counters));
-        };
-        let chains = (count / TUNING_STEPS).clamp(1, MOST_TUNING_CHAINS);
-        let tune = |chain: u32| self.tuned::<R>(&starts, (chain as f32 + 0.5) / chains as f32, chain, count / chains);
-        let tuned: Vec<(f32, Counters)> = (0..chains).into_par_iter().map(tune).collect();
-        let mut sum = 0.0;
-        for (halvings, counted) in tuned {
-            sum += halvings;
-            counters += counted;
+        let mut largest_step = LARGEST_STEP;
+        if let Some(starts) = Discrete::new(&targets) {
+            let chains = (count / TUNING_STEPS).clamp(1, MOST_TUNING_CHAINS);
+            let tune = |chain: u32| self.tuned(&starts, (chain as f32 + 0.5) / chains as f32, chain, count / chains);
+            let tuned: Vec<(f32, Counters)> = (0..chains).into_par_iter().map(tune).collect();
+            let mut sum = 0.0;
+            for (halvings, counted) in tuned {
+                sum += halvings;
+                counters += counted;
+            }
+            largest_step = libm::exp2f(-sum / chains as f32);
         }
-        Some((Tried { expected, largest_step: libm::exp2f(-sum / chains as f32) }, counters))
+        let weights = Weights { uniform: self.uniform as f32, chained: self.chained as f32, expected, ratio: 1.0 };
+        Some(Tried { weights, largest_step, rays: counters.rays })
+    }
+
+    /// Makes the photons of a uniform path count as they should; its target.
+    pub fn weigh(&self, tried: &Tried, photons: &mut [T::Photon]) -> f64 {
+        let target = self.target(photons);
+        let weight = tried.weights.of_uniform(target);
+        photons.iter_mut().for_each(|photon| *photon = photon.scaled(weight));
+        f64::from(target)
+    }
+
+    /// The photons of chains that start at uniform paths with these targets; `None` when cancelled.
+    pub fn from(
+        &self,
+        tried: &Tried,
+        targets: &[f64],
+        grid: &Grid,
+        cancel: &AtomicBool,
+    ) -> Option<(Vec<PhotonChunk<T::Photon>>, Counters)> {
+        // Every target is above 0.
+        let Some(starts) = Discrete::new(targets) else { return Some(Default::default()) };
+        let mut weights = tried.weights;
+        weights.ratio = (starts.total() / targets.len() as f64) as f32 / weights.expected;
+        trace_chunks(self.chained, cancel, |states, counters| {
+            let mut photons = Vec::new();
+            for first in states.clone().step_by(STATES as usize) {
+                let states = first..states.end.min(first + STATES);
+                self.chain(&weights, &starts, tried.largest_step, states, &mut photons, counters);
+            }
+            PhotonChunk::store(photons, grid, counters)
+        })
     }
 
     /// Runs a chain whose steps grow and shrink until [`ACCEPTANCE`] of them are taken [Hachisuka & Jensen 2011]; how often its largest step is
     /// half of 1.
-    fn tuned<R: TracedPhoton>(&self, starts: &Discrete, start: f32, chain: u32, steps: u32) -> (f32, Counters) {
+    fn tuned(&self, starts: &Discrete, start: f32, chain: u32, steps: u32) -> (f32, Counters) {
         let mut counters = Counters::default();
         let mut source = Source::new(self.trials.path(LARGE_STEPS | chain));
         let start = starts.pick(start).0 as u32;
         let mut numbers = PathNumbers::new(self.trials.path(start));
-        let mut photons: Vec<R> = Vec::new();
+        let mut photons = Vec::new();
         let mut target = self.photons(start, &numbers, &mut photons, &mut counters);
         let mut halvings = -libm::log2f(LARGEST_STEP);
         for step in 1..=steps {
@@ -219,21 +289,13 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
         (halvings, counters)
     }
 
-    fn uniform<R: TracedPhoton>(
-        &self,
-        weights: &Weights,
-        count: u32,
-        grid: &Grid,
-        cancel: &AtomicBool,
-    ) -> Option<UniformPaths<R>> {
-        let (found, counters) = trace_chunks(count, cancel, |paths, counters| {
-            let (mut photons, mut targets): (Vec<R>, _) = (Vec::new(), Vec::with_capacity(paths.len()));
+    fn uniform(&self, tried: &Tried, grid: &Grid, cancel: &AtomicBool) -> Option<UniformPaths<T::Photon>> {
+        let (found, counters) = trace_chunks(self.uniform, cancel, |paths, counters| {
+            let (mut photons, mut targets) = (Vec::new(), Vec::with_capacity(paths.len()));
             for path in paths {
                 let first = photons.len();
-                let target = self.photons(path, &self.settings.random.path(path), &mut photons, counters);
-                let weight = weights.of_uniform(target);
-                photons[first..].iter_mut().for_each(|photon| *photon = photon.scaled(weight));
-                targets.push(f64::from(target));
+                self.tracer.trace(path, &self.random.path(path), &mut photons, counters);
+                targets.push(self.weigh(tried, &mut photons[first..]));
             }
             (PhotonChunk::store(photons, grid, counters), targets)
         })?;
@@ -242,19 +304,19 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
     }
 
     /// Runs a chain through `states` and appends their photons; those of a state that stays are stored once.
-    fn chain<R: TracedPhoton>(
+    fn chain(
         &self,
         weights: &Weights,
         starts: &Discrete,
         largest_step: f32,
         states: Range<u32>,
-        stored: &mut Vec<R>,
+        stored: &mut Vec<T::Photon>,
         counters: &mut Counters,
     ) {
         let mut source = Source::new(self.mutations.path(states.start));
         let start = starts.pick(source.number()).0 as u32;
-        let mut numbers = PathNumbers::new(self.settings.random.path(start));
-        let (mut photons, mut proposed): (Vec<R>, Vec<R>) = (Vec::new(), Vec::new());
+        let mut numbers = PathNumbers::new(self.random.path(start));
+        let (mut photons, mut proposed) = (Vec::new(), Vec::new());
         let mut target = self.photons(start, &numbers, &mut photons, counters);
         let mut times = 0;
         for state in states {
@@ -277,23 +339,22 @@ impl<I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, I> {
     }
 
     /// Traces a path and appends its photons; its target.
-    fn photons<R: TracedPhoton>(
-        &self,
-        path: u32,
-        numbers: &impl Numbers,
-        photons: &mut Vec<R>,
-        counters: &mut Counters,
-    ) -> f32 {
+    fn photons(&self, path: u32, numbers: &impl Numbers, photons: &mut Vec<T::Photon>, counters: &mut Counters) -> f32 {
         let first = photons.len();
-        trace_photon_with(self.scene, &self.settings, path, numbers, photons, counters);
-        photons[first..].iter().map(|photon| (self.importance)(photon.photon())).fold(LEAST_ACCEPTANCE, f32::max)
+        self.tracer.trace(path, numbers, photons, counters);
+        self.target(&photons[first..])
+    }
+
+    /// I of a path with these photons.
+    fn target(&self, photons: &[T::Photon]) -> f32 {
+        photons.iter().map(|photon| (self.importance)(photon.photon())).fold(LEAST_ACCEPTANCE, f32::max)
     }
 }
 
 /// Keeps the numbers of large steps apart from those of mutations.
 const LARGE_STEPS: u32 = 1 << 31;
 
-fn store<R: TracedPhoton>(photons: &[R], times: u32, weight: f32, stored: &mut Vec<R>) {
+fn store<R: PhotonRecord>(photons: &[R], times: u32, weight: f32, stored: &mut Vec<R>) {
     if times > 0 {
         stored.extend(photons.iter().map(|photon| photon.scaled(weight * times as f32)));
     }

@@ -24,7 +24,7 @@ use crate::math::color::luminance;
 use crate::math::{Rgb, Vec3};
 use crate::scene::geometry::Interaction;
 use crate::transport::Counters;
-use crate::transport::photon_map::{OriginPhoton, PathSegment, TracedPhoton};
+use crate::transport::photon_map::{OriginPhoton, PathSegment, PhotonRecord, TracedPhoton};
 use crate::transport::photon_tracing::stored;
 
 /// Paths of a chain often leave their photons at the same place; it is looked for among so many.

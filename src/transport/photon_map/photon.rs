@@ -29,6 +29,10 @@ pub trait PhotonRecord: Copy + Default + Send + Sync {
 
     /// What else there is of it.
     fn extra(&self) -> Self::Extra;
+
+    /// The same photon with `factor` times its flux.
+    #[must_use]
+    fn scaled(self, factor: f32) -> Self;
 }
 
 /// What a tree keeps of a photon.
@@ -62,6 +66,11 @@ impl PhotonRecord for Photon {
 
     #[inline]
     fn extra(&self) {}
+
+    #[inline]
+    fn scaled(self, factor: f32) -> Self {
+        Self { flux: self.flux.map(|channel| channel * factor), ..self }
+    }
 }
 
 /// The last segment of a photon's path.
@@ -77,21 +86,12 @@ pub struct PathSegment {
 pub trait TracedPhoton: PhotonRecord {
     /// A photon at the end of `segment`.
     fn traced(photon: Photon, segment: PathSegment) -> Self;
-
-    /// The same photon with `factor` times its flux.
-    #[must_use]
-    fn scaled(self, factor: f32) -> Self;
 }
 
 impl TracedPhoton for Photon {
     #[inline(always)]
     fn traced(photon: Photon, _: PathSegment) -> Self {
         photon
-    }
-
-    #[inline]
-    fn scaled(self, factor: f32) -> Self {
-        Self::scaled(self, factor)
     }
 }
 
@@ -109,15 +109,6 @@ pub type OriginPhoton = PhotonWith<f32>;
 /// A photon that knows its path, too.
 pub type PathPhoton = PhotonWith<PathSegment>;
 
-impl<E> PhotonWith<E> {
-    /// The same photon with `factor` times its flux.
-    #[inline]
-    #[must_use]
-    pub fn scaled(self, factor: f32) -> Self {
-        Self { photon: self.photon.scaled(factor), ..self }
-    }
-}
-
 impl<E: Copy + Default + Send + Sync> PhotonRecord for PhotonWith<E> {
     type Extra = E;
 
@@ -130,6 +121,11 @@ impl<E: Copy + Default + Send + Sync> PhotonRecord for PhotonWith<E> {
     fn extra(&self) -> E {
         self.extra
     }
+
+    #[inline]
+    fn scaled(self, factor: f32) -> Self {
+        Self { photon: self.photon.scaled(factor), ..self }
+    }
 }
 
 impl TracedPhoton for OriginPhoton {
@@ -137,22 +133,12 @@ impl TracedPhoton for OriginPhoton {
     fn traced(photon: Photon, segment: PathSegment) -> Self {
         Self { photon, extra: segment.length }
     }
-
-    #[inline]
-    fn scaled(self, factor: f32) -> Self {
-        Self::scaled(self, factor)
-    }
 }
 
 impl TracedPhoton for PathPhoton {
     #[inline(always)]
     fn traced(photon: Photon, segment: PathSegment) -> Self {
         Self { photon, extra: segment }
-    }
-
-    #[inline]
-    fn scaled(self, factor: f32) -> Self {
-        Self::scaled(self, factor)
     }
 }
 
@@ -179,13 +165,6 @@ impl Photon {
 }
 
 impl Photon {
-    /// The same photon with `factor` times its flux.
-    #[inline]
-    #[must_use]
-    pub fn scaled(self, factor: f32) -> Self {
-        Self { flux: self.flux.map(|channel| channel * factor), ..self }
-    }
-
     /// The normal of its surface on the side where it arrived; its length is 1 to 2 %.
     #[inline]
     pub fn normal(&self) -> Vec3 {
