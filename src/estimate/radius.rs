@@ -25,7 +25,7 @@ impl RadiusRule {
 /// `R²` after `passes` passes over `R²` before the first, for a pixel in a uniform photon density.
 ///
 /// Statistics, with N = αM after the first pass: `α·Π_{j=1}^{passes-1} (j+α)/(j+1)`.
-/// Schedule [KZ11]: `Π_{j=1}^{passes} (j+α)/(j+1)`, so pass index `i` (from 0) gathers with `shrinkage(i)`.
+/// Schedule \[KZ11\]: `Π_{j=1}^{passes} (j+α)/(j+1)`, so pass index `i` (from 0) gathers with `shrinkage(i)`.
 /// Uniformity: 1.
 pub fn shrinkage(rule: RadiusRule, alpha: f64, passes: u32) -> f64 {
     let first = match rule {

@@ -5,7 +5,7 @@
 //! 1. A user uploads a scene and submits a job. The [coordinator](CoordinatorHandle) checks both, [stores](store) the job, and tells the
 //!    [`rules`]. It never traces: whatever has to be traced is leased to workers, also the trials of methods where the method is `auto`, and
 //!    the first surfaces that [layers](CoordinatorHandle::picture_with_layers) need.
-//! 2. A [worker](worker) registers over [HTTP](http) and asks for a lease. The first work of a job is its **pilot**:
+//! 2. A [`worker`] registers over [HTTP](http) and asks for a lease. The first work of a job is its **pilot**:
 //!    first gather radii and the counted cost of a pass. From that follows the [plan](rules::plan), how passes are cut into shards
 //!    and epochs. It depends on the scene and the job alone, never on workers or time.
 //! 3. The next [lease](rules::lease) names a shard: some consecutive passes of a region of pixels. The worker fetches what it has not

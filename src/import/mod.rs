@@ -3,7 +3,7 @@
 //! A format's reader makes `draft` nodes: plugins as they stand in the file, with references by id. `resolve` turns the
 //! drafts of every format into the description tree. `values` and `transform` hold what the formats' values mean,
 //! `plugins` the names of all plugins. `pack` makes the bytes that travel over HTTP, [`native`] writes a description as JSON,
-//! and [`report`] is what an import could not represent.
+//! and `report` is what an import could not represent.
 
 mod batch;
 pub mod camera_path;

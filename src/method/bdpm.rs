@@ -2,7 +2,7 @@
 //! and each pair of photon and path is weighted against the other vertices where the same path could have been joined. So
 //! glossy surfaces are followed and matte ones gathered at without any rule that says which is which.
 //!
-//! References: [Vo11] Vorba 2011, "Bidirectional photon mapping", chapter 3; [G+12] Georgiev, Křivánek, Davidovič & Slusallek 2012,
+//! References: \[Vo11\] Vorba 2011, "Bidirectional photon mapping", chapter 3; \[G+12\] Georgiev, Křivánek, Davidovič & Slusallek 2012,
 //! "Light transport simulation with vertex connection and merging".
 //!
 //! | symbol | here | unit |
@@ -11,7 +11,7 @@
 //! | α_p | flux of a photon, un-normalised | W |
 //! | w | `Weighting::merged` [Vo11, eq. 3.15; G+12, eq. 13] | – |
 //!
-//! `weights: paper` are those of [Vo11], products of directional densities, which do not see that merging needs a photon nearby;
+//! `weights: paper` are those of \[Vo11\], products of directional densities, which do not see that merging needs a photon nearby;
 //! `weights: consistent` count that as a factor π r² n in the density.
 //!
 //! Limits: the radius stays, so a bias stays: `pbdpm` shrinks it.

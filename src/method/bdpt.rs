@@ -2,7 +2,7 @@
 //! each of the other; camera subpaths also hit lights and sample them, light subpaths also are seen by the camera. All ways
 //! of finding a path share it by multiple importance sampling. Every pass is unbiased.
 //!
-//! References: Lafortune & Willems 1993, "Bi-directional path tracing"; [V97] Veach 1997, chapter 10; [G12] Georgiev 2012,
+//! References: Lafortune & Willems 1993, "Bi-directional path tracing"; \[V97\] Veach 1997, chapter 10; \[G12\] Georgiev 2012,
 //! "Implementing vertex connection and merging", whose recursion computes the weights.
 //!
 //! | symbol | here | unit |

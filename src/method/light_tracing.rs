@@ -1,7 +1,7 @@
 //! `light_tracing`: light subpaths whose every vertex is connected with the camera; nothing else but lamps that the camera sees
 //! directly. It finds caustics on matte surfaces better than any other unbiased method.
 //!
-//! References: Arvo 1986, "Backward ray tracing"; [V97] Veach 1997, 10.3 (the techniques with one camera vertex).
+//! References: Arvo 1986, "Backward ray tracing"; \[V97\] Veach 1997, 10.3 (the techniques with one camera vertex).
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

@@ -2,7 +2,7 @@
 //! seen and direct light are sampled as by `bdpt`. A pass starts its chains anew, from paths that it samples first, so that it has no start-up bias and
 //! depends on nothing but its index.
 //!
-//! Reference: [V97] Veach 1997, chapter 11.
+//! Reference: \[V97\] Veach 1997, chapter 11.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

@@ -2,8 +2,8 @@
 //! much light is; emission that is seen and direct light are sampled as by `bdpt`. A pass starts its chains anew, from paths that it samples
 //! first, so that it has no start-up bias and depends on nothing but its index.
 //!
-//! References: [V97] Veach 1997, 11.3.1 (start-up without bias); [KSAC02] Kelemen et al. 2002, "A simple and robust mutation strategy for the
-//! Metropolis light transport algorithm"; [HKD14] Hachisuka, Kaplanyan & Dachsbacher 2014, "Multiplexed Metropolis light transport".
+//! References: \[V97\] Veach 1997, 11.3.1 (start-up without bias); \[KSAC02\] Kelemen et al. 2002, "A simple and robust mutation strategy for the
+//! Metropolis light transport algorithm"; \[HKD14\] Hachisuka, Kaplanyan & Dachsbacher 2014, "Multiplexed Metropolis light transport".
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

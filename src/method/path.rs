@@ -2,8 +2,8 @@
 //! every surface a point of a light is sampled too, and lights that the path hits by chance count as well; each way can be
 //! switched off, and both together share light by multiple importance sampling. Every pass is unbiased.
 //!
-//! References: Kajiya 1986, "The rendering equation"; [V97] Veach 1997, "Robust Monte Carlo methods for light transport
-//! simulation", chapter 9; [Vo11] Vorba 2011, "Bidirectional photon mapping", eqs. 1.9–1.11.
+//! References: Kajiya 1986, "The rendering equation"; \[V97\] Veach 1997, "Robust Monte Carlo methods for light transport
+//! simulation", chapter 9; \[Vo11\] Vorba 2011, "Bidirectional photon mapping", eqs. 1.9–1.11.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

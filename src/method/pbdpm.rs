@@ -1,7 +1,7 @@
 //! `pbdpm`: progressive bidirectional photon mapping: `bdpm` with new photons and camera paths every pass and a radius that shrinks. All
 //! vertices of a pixel's path share its statistics.
 //!
-//! References: [Vo11] Vorba 2011, "Bidirectional photon mapping", chapter 3; [G+12] Georgiev, Křivánek, Davidovič & Slusallek 2012,
+//! References: \[Vo11\] Vorba 2011, "Bidirectional photon mapping", chapter 3; \[G+12\] Georgiev, Křivánek, Davidovič & Slusallek 2012,
 //! "Light transport simulation with vertex connection and merging".
 //!
 //! | symbol | here | unit |

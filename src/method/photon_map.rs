@@ -3,9 +3,9 @@
 //! direct light is sampled, caustics are read from the caustic map, and soft indirect light is gathered: rays sampled
 //! from the BSDF look up the radiance that the global map estimates where they end. Passes are averaged.
 //!
-//! References: [J96] Jensen 1996, "Global illumination using photon maps"; [Wa99] Wald 1999, "Photorealistic rendering
+//! References: \[J96\] Jensen 1996, "Global illumination using photon maps"; \[Wa99\] Wald 1999, "Photorealistic rendering
 //! using the photon map", sections 2.5 (estimate, caustic map), 4.1 (plausibility), 4.3 (local pass), 4.4 (multiple maps), 4.5
-//! (hierarchy), 4.8 (choice of k); [He98] Heinrich 1998, "A multilevel version of the method of dependent tests"; [Vo11] Vorba
+//! (hierarchy), 4.8 (choice of k); \[He98\] Heinrich 1998, "A multilevel version of the method of dependent tests"; \[Vo11\] Vorba
 //! 2011, "Bidirectional photon mapping", section 1.6 with eq. 1.12.
 //!
 //! | symbol | here | unit |
@@ -29,7 +29,7 @@
 //! ends with the radiance that the global map estimates (L (S|G|D)* D′ … D … E): that map holds all photons, first hits
 //! too. Emission that it meets before any G does not count: at the gathering D that is direct light or a caustic. A ray
 //! that ends within `largest_radius` of where it began would see its own corner blurred across the edge; there D′ does as
-//! D did [J96]: direct light, caustics, and one more gather ray. With `final_gather: 0` the D looks at the global map
+//! D did \[J96\]: direct light, caustics, and one more gather ray. With `final_gather: 0` the D looks at the global map
 //! itself, for photons that some D or G scattered.
 //!
 //! Many maps [Wa99, sections 4.4 and 4.5]: a pass traces sets of `maps` maps each, one set after the other, and estimates are

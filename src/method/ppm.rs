@@ -2,7 +2,7 @@
 //! be gathered; these hit points stay for the whole job and every pass emits new photons. Mirrors and glass are followed
 //! in all directions while a path is short, so that no chance is left in what the camera sees.
 //!
-//! Reference: [HOJ08] Hachisuka, Ogaki & Jensen 2008, "Progressive photon mapping". The hit points of a pixel share its
+//! Reference: \[HOJ08\] Hachisuka, Ogaki & Jensen 2008, "Progressive photon mapping". The hit points of a pixel share its
 //! radius and count, as the region of a pixel does in `sppm`.
 //!
 //! | symbol | here | unit |

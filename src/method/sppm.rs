@@ -2,7 +2,7 @@
 //! with a smooth lobe, emits photons, and gathers them there in a disc whose radius shrinks from pass to pass. All points that
 //! a pixel sees share its statistics, so glossy surfaces, lenses and anti-aliasing converge too.
 //!
-//! References: [HJ09] Hachisuka & Jensen 2009, "Stochastic progressive photon mapping"; [KZ11] Knaus & Zwicker 2011,
+//! References: \[HJ09\] Hachisuka & Jensen 2009, "Stochastic progressive photon mapping"; \[KZ11\] Knaus & Zwicker 2011,
 //! "Progressive photon mapping: a probabilistic approach".
 //!
 //! | symbol | here | unit |

@@ -1,8 +1,8 @@
 //! `vcm`: vertex connection and merging. Everything that `bdpt` and `pbdpm` do, with weights that know all of it. With `merge: off` it
 //! is `bdpt`, with `connect: off` it is `pbdpm` without photons that the camera sees.
 //!
-//! References: [G+12] Georgiev, Křivánek, Davidovič & Slusallek 2012, "Light transport simulation with vertex connection and
-//! merging"; [G12] Georgiev 2012, "Implementing vertex connection and merging".
+//! References: \[G+12\] Georgiev, Křivánek, Davidovič & Slusallek 2012, "Light transport simulation with vertex connection and
+//! merging"; \[G12\] Georgiev 2012, "Implementing vertex connection and merging".
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

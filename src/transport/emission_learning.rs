@@ -2,7 +2,7 @@
 //!
 //! Let f_j(u) be the part of pixel j's brightness that the photon emitted at u brings, emission by power being uniform over u. With
 //! N photons of density q the relative variances of all pixels sum to ∫ Σ_j f_j²/q du / N, which is least for q ∝ √(Σ_j f_j²). A guide is
-//! constant in each of its cells, which takes the root of the mean of Σ_j f_j² over the cell. [GPSK18] Grittmann et al. 2018,
+//! constant in each of its cells, which takes the root of the mean of Σ_j f_j² over the cell. \[GPSK18\] Grittmann et al. 2018,
 //! "Efficient caustic rendering with lightweight photon mapping", guide emission by what photons are to the picture, too.
 
 use crate::scene::light::emission_guide::{BY_POWER, DIMENSIONS, EmissionPoint, GuideCell, GuideNode};

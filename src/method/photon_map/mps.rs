@@ -1,7 +1,7 @@
 //! `mps`: Metropolis photon sampling. Photon maps as those of `photon_map`, but photons are left by Markov chains of whole paths from a light to the camera,
 //! where a final gather looks for them; and people may say where light comes from.
 //!
-//! References: [F05] Fan, Chenney & Lai 2005, "Metropolis photon sampling with optional user guidance"; [V97] Veach 1997, chapter 11.
+//! References: \[F05\] Fan, Chenney & Lai 2005, "Metropolis photon sampling with optional user guidance"; \[V97\] Veach 1997, chapter 11.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

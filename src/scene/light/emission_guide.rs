@@ -4,7 +4,7 @@
 //! is. A guide cuts that cube of every light into cells by halving it again and again, and says how often photons start in each cell.
 //! Weights are exact whatever the guide says: cells are picked by whole 2⁻²⁴ths, as fine as random numbers are.
 //!
-//! [PP98] Peter & Pietrek 1998, "Importance driven construction of photon maps"; [KW00] Keller & Wald 2000, "Efficient
+//! \[PP98\] Peter & Pietrek 1998, "Importance driven construction of photon maps"; \[KW00\] Keller & Wald 2000, "Efficient
 //! importance sampling techniques for the photon map", which keep an importance map on surfaces instead.
 
 use super::LightTable;

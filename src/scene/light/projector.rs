@@ -5,7 +5,7 @@
 //! |---|---|---|---|
 //! | `irradiance` | π times this is what arrives at unit depth on a plane across the axis, also a texture | W·m⁻² | 1 |
 //! | `scale` | factor on it | – | 1 |
-//! | `fov`, `fov_axis`, `focal_length` | how wide the image is thrown: see [`camera`](crate::scene::camera) | – | `50mm` |
+//! | `fov`, `fov_axis`, `focal_length` | how wide the image is thrown: see [`crate::scene::camera`] | – | `50mm` |
 //!
 //! The intensity at an angle θ from the axis is π·E/cos³θ, so that an even image looks even on the plane apart from the cosine
 //! there. Textures but bitmaps are thrown as squares.

@@ -32,7 +32,7 @@ impl Surroundings {
         direction.abs().dot(self.faces)
     }
 
-    /// Area of the box's surface, m²: four times its mean silhouette [Cauchy].
+    /// Area of the box's surface, m²: four times its mean silhouette \[Cauchy\].
     pub fn surface(&self) -> f32 {
         2.0 * self.faces.element_sum()
     }

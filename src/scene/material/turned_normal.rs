@@ -6,7 +6,7 @@
 //! | `use_shadowing_function` | light at grazing angles is dimmed as by the microfacets that have the turned normal [ELS19, eqs. 1 and 4] | true |
 //! | a nested bsdf | the surface | required |
 //!
-//! [ELS19] Estevez, Lecocq & Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem".
+//! \[ELS19\] Estevez, Lecocq & Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem".
 //!
 //! The material inside answers in a frame of its own round the turned normal n'. The cosine of light is that with n', so the
 //! value gets the factor `|cos θ'|/|cos θ|` of the light's direction. Light that is on one side of n' and on the other of the

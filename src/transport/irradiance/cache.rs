@@ -1,4 +1,4 @@
-//! Records in an octree, as each reaches so far [WRC88].
+//! Records in an octree, as each reaches so far \[WRC88\].
 
 use super::IrradianceRecord;
 use crate::math::{Rgb, Vec3};

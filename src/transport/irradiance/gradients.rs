@@ -1,4 +1,4 @@
-//! How irradiance changes where a place turns or moves [WH92], from what the rays of a hemisphere found.
+//! How irradiance changes where a place turns or moves \[WH92\], from what the rays of a hemisphere found.
 //!
 //! Weights of rings are means over a ring instead of values at a ray: in an even field all gradients vanish, up to rounding, and
 //! tan θ at the horizon has a finite variance.
@@ -68,7 +68,7 @@ impl HemisphereCells {
     /// ∇rE = π/(M·N) · Σk v̂k · Σj tan θj · Ljk          v̂k a quarter turn from the middle of sector k
     /// ```
     ///
-    /// [WH92] print the sign of the opposite turn.
+    /// \[WH92\] print the sign of the opposite turn.
     pub fn rotation_gradient(&self, arrivals: &[Arrival]) -> TangentGradient {
         let tangents: Vec<f32> = (0..self.rings()).map(|ring| self.mean_tangent(ring)).collect();
         let mut gradient = TangentGradient::default();

@@ -11,8 +11,8 @@
 //! without the records that lie in front of x: they see what x does not. a is the largest error that the split-sphere model lets
 //! interpolation have. Taking 1/a off the weight lets a record fade out where its reach ends.
 //!
-//! References: [WRC88] Ward, Rubinstein & Clear 1988, "A ray tracing solution for diffuse interreflection" (ε, the test of what lies
-//! in front, the octree); [WH92] Ward & Heckbert 1992, "Irradiance gradients"; [KG09] Křivánek & Gautron 2009, "Practical global
+//! References: \[WRC88\] Ward, Rubinstein & Clear 1988, "A ray tracing solution for diffuse interreflection" (ε, the test of what lies
+//! in front, the octree); \[WH92\] Ward & Heckbert 1992, "Irradiance gradients"; \[KG09\] Křivánek & Gautron 2009, "Practical global
 //! illumination with irradiance caching".
 //!
 //! | symbol | here | unit |

@@ -41,8 +41,8 @@ pub struct IrradianceRecord {
 impl IrradianceRecord {
     /// A record at a place with `frame` around its normal, of what arrives along one ray in each cell, in the order of cells.
     ///
-    /// R is the harmonic mean of distances [WRC88], at most E/|∇tE|: further off, a gradient would take more than there is
-    /// [KG09]. Where even the smallest R is too far for that, the gradient is shortened.
+    /// R is the harmonic mean of distances \[WRC88\], at most E/|∇tE|: further off, a gradient would take more than there is
+    /// \[KG09\]. Where even the smallest R is too far for that, the gradient is shortened.
     pub fn new(
         position: Vec3,
         frame: Frame,

@@ -5,7 +5,7 @@
 //! 1/(n_u + n_c·f*/b₀), with n_u independent samples, n_c states of chains and b₀ about the mean of f* [KSAC02, section 5]; states of chains count b/b₀ times
 //! as much, b being the mean of f* over the paths that chains start from. Whatever b₀ is that does not depend on them, means are right.
 //!
-//! References: [V97] Veach 1997; [KSAC02] Kelemen et al. 2002, "A simple and robust mutation strategy for the Metropolis light transport algorithm".
+//! References: \[V97\] Veach 1997; \[KSAC02\] Kelemen et al. 2002, "A simple and robust mutation strategy for the Metropolis light transport algorithm".
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};

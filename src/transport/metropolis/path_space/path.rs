@@ -4,7 +4,7 @@
 //! f = Le · Π G(x_i, x_{i+1}) · Π f_s(x_i) · W [V97, 8.6], and every density a product of the same geometry terms and of densities by projected solid
 //! angle. The directions of specular lobes are in both and cancel: there f_s is the lobe's weight, and the density the probability of picking it [V97, 10.3.5].
 //!
-//! Reference: [V97] Veach 1997.
+//! Reference: \[V97\] Veach 1997.
 
 use super::light_end::{LightEnd, LightSegment};
 use super::lobe_choice::{Lobe, LobeChoice};
