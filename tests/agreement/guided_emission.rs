@@ -27,11 +27,11 @@ fn a_lamp_in_a_sealed_room_takes_no_photons() {
                 r#"{{"direct": "photons", "photons_per_pass": 30000, "initial_radius": 0.2, "emission": "{emission}"}}"#
             )
         };
-        let [power, auto] = ["power", "auto"].map(|emission| mean_and_error(&scene, method, &parameters(emission), 2));
+        let [power, auto] = ["power", "auto"].map(|emission| mean_and_error(&scene, method, &parameters(emission), 1));
         assert!(learns_a_guide(&scene, method, &parameters("auto")), "{method}: the pilot finds that it helps");
         assert_same(auto, power, 0.0, &format!("{method}, guided and by power"));
         // The same room without that lamp.
-        let alone = mean_and_error(&alone, method, &parameters("power"), 2);
+        let alone = mean_and_error(&alone, method, &parameters("power"), 1);
         assert_same(auto, alone, 0.0, &format!("{method}, with the lamp and without"));
         let [guided, power, alone] = [auto, power, alone].map(|[_, _, noise]| noise);
         assert!(guided < 0.1 * power, "{method}: guided {guided} and by power {power}");
@@ -96,7 +96,7 @@ fn light_subpaths_come_from_lamps_that_matter() {
         assert!(learns_a_guide(&scene, method, &parameters("auto")), "{method}: the pilot finds that it helps");
         let bias = if method == "pbdpm" { 0.03 } else { 0.005 };
         assert_same(auto, expected, bias, &format!("{method}, and path without the lamp"));
-        let without = mean_and_error(&alone, method, &parameters("power"), 2);
+        let without = mean_and_error(&alone, method, &parameters("power"), 1);
         let [auto, power, without] = [auto, power, without].map(|[_, _, noise]| noise);
         println!("{method}: {auto} guided, {power} by power, {without} alone");
         // The noise of light_tracing is that of rare bright paths, of which so few passes do not tell.

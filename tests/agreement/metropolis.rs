@@ -26,7 +26,7 @@ fn means_of_chains_are_those_of_references() {
         let sum: f64 = reference.radiance.iter().flatten().map(|value| f64::from(*value)).sum();
         let expected = sum / (3 * reference.radiance.len()) as f64;
         for parameters in [r#"{"chains": 4}"#, r#"{"chains": 4096}"#, r#"{"large_steps": 100}"#] {
-            let (found, error) = mean_and_error(&scene, "mmlt", parameters, 16, 4);
+            let (found, error) = mean_and_error(&scene, "mmlt", parameters, 16, 2);
             println!("{name} {parameters}: {found:.5} ± {error:.5} of {expected:.5}");
             assert!((found - expected).abs() < ERRORS * error, "{name} {parameters}: {found} ± {error}, {expected}");
             assert!(error < 0.06 * expected, "{name} {parameters}: the test is blind");

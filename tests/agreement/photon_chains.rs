@@ -44,12 +44,8 @@ fn a_photon_map_of_chains_makes_the_same_picture() {
 /// Weights count the photons of chains, too, so that merging has another share of the bias, which small discs keep small.
 #[test]
 fn merging_photons_of_chains_makes_the_picture_of_photons_by_power() {
-    let scenes = [
-        (reference_scene("door-ajar"), 0.05),
-        (reference_scene("cornell-glass"), 0.02),
-        (repository_scene("jack-o-lantern/scene.xml", "32"), 0.1),
-    ];
-    for (index, (scene, blind)) in scenes.iter().enumerate() {
+    for name in ["door-ajar", "cornell-glass"] {
+        let scene = &reference_scene(name);
         for connect in ["on", "off"] {
             let parameters = |emission: &str| {
                 format!(
@@ -57,9 +53,9 @@ fn merging_photons_of_chains_makes_the_picture_of_photons_by_power() {
                 )
             };
             let [chains, power] =
-                ["metropolis", "power"].map(|emission| mean_and_error(scene, "vcm", &parameters(emission), 4));
-            assert_same(chains, power, 0.002, &format!("scene {index}, connect {connect}, chains and by power"));
-            assert!(chains[1] < blind * chains[0], "scene {index}, connect {connect}: the test is blind");
+                ["metropolis", "power"].map(|emission| mean_and_error(scene, "vcm", &parameters(emission), 2));
+            assert_same(chains, power, 0.002, &format!("{name}, connect {connect}, chains and by power"));
+            assert!(chains[1] < 0.05 * chains[0], "{name}, connect {connect}: the test is blind");
         }
     }
 }

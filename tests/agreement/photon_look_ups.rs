@@ -163,7 +163,7 @@ fn analytic_the_choice_of_k_on_an_even_floor() {
         let parameters = format!(
             r#""photons_per_pass": 20000, "largest_radius": 0.2, "caustic_neighbors": 10, "neighbor_choice": "{choice}""#
         );
-        mean(&scene, &parameters, 384)
+        mean(&scene, &parameters, 256)
     };
     let [fixed, gravity, direction] = ["fixed", "centre_of_gravity", "mean_direction"].map(look);
     println!("an even floor, k = 10: fixed {fixed:.4}, centre of gravity {gravity:.4}, mean direction {direction:.4}");

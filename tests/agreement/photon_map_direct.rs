@@ -50,7 +50,7 @@ fn analytic_direct_light_in_a_sphere() {
     let expected = 0.6 * 5.0 / (PI * 4.0);
     for way in WAYS {
         let parameters = format!(r#"{{"photons_per_pass": 50000, "max_depth": 2, {way}}}"#);
-        let found = mean(&Job::new(&scene, "photon_map", &parameters).run(12, 8));
+        let found = mean(&Job::new(&scene, "photon_map", &parameters).run(8, 8));
         // Samples of a point are exact; nearest photons were 0.1 % off.
         let bound = if way.contains("photons\"") && !way.contains("shadow") { 0.005 } else { 1e-4 };
         assert!((found - expected).abs() < bound * expected, "{way}: {found} is not {expected}");
@@ -64,7 +64,7 @@ fn agreement_photon_map_of_all_ways_to_direct_light() {
         let scene = reference_scene(name);
         let run = |way: &str| {
             let parameters = format!(r#"{{"photons_per_pass": 65536, "final_gather": 1, {way}}}"#);
-            mean(&Job::new(&scene, "photon_map", &parameters).run(12, 8))
+            mean(&Job::new(&scene, "photon_map", &parameters).run(8, 8))
         };
         let expected = run(r#""direct": "sample""#);
         for way in WAYS {
