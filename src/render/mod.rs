@@ -120,7 +120,7 @@ impl Renderer {
     pub fn with_light_groups(self) -> Result<Self, MethodError> {
         let scene = &self.whole.scene;
         let names = scene.lights.groups().names().to_vec();
-        method::check_light_groups(&self.checked, &names)?;
+        method::check_light_groups(Some(&self.checked), &names)?;
         let part = |(index, name): (usize, &String)| {
             let lit = Arc::new(scene.with_lights(scene.lights.only(index)));
             Ok((name.clone(), Part::new(lit, &self.checked, self.seed)?))
