@@ -61,7 +61,7 @@ pub(super) struct JobOptions {
     /// Keep the light of each light group of the scene apart: EXR files get a layer for each, whose sum is the picture. A pass costs as much as one
     /// for each group.
     #[arg(long)]
-    light_groups: bool,
+    pub(super) light_groups: bool,
     #[command(flatten)]
     pub(super) options: SceneOptions,
 }

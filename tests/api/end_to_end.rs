@@ -461,7 +461,8 @@ async fn bad_image_options_are_refused() {
     }
     let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
-    let known = "known layers: radius, photons, error, albedo, normal, depth, position, denoised, denoised_error";
+    let known =
+        "known layers: radius, photons, error, albedo, normal, depth, position, denoised, denoised_error, light_groups";
     assert_eq!(unknown["remedy"], known);
 }
 
