@@ -11,6 +11,7 @@ from looks import point_at, values, wait_for_picture
 
 SIZE = (64, 48)
 PIXELS = [(10, 40), (32, 24), (50, 30), (40, 8)]
+LAYER = "#layers [value=light_groups]"
 GROUPS = ["lamp", "bulb", "others"]
 SCENE = """<scene version="3.0.0"><default name="width" value="64"/>
 <sensor type="perspective"><float name="fov" value="50"/><transform name="to_world">
@@ -46,7 +47,7 @@ def light(farm, grouped):
 def open_groups(farm, job, open_page):
     page = open_page(farm, f"#/jobs/{job}")
     wait_for_picture(page)
-    page.get_by_label("Light groups", exact=True).check(force=True)
+    page.locator(LAYER).evaluate("radio => radio.click()")
     expect(page.locator("#picture")).to_have_attribute("aria-label", re.compile("layer light_groups"))
     wait_for_picture(page)
     return page
@@ -95,6 +96,6 @@ def test_other_jobs_have_no_groups(farm, grouped, open_page):
     page.goto(f"{farm.address}/#/jobs/{farm.done}")
     expect(page.locator("#job-name")).to_have_text("amber")
     wait_for_picture(page)
-    expect(page.get_by_label("Light groups", exact=True)).to_be_hidden()
+    expect(page.locator("#layers label", has_text="Light groups")).to_be_hidden()
     expect(page.locator("#light-groups")).to_be_hidden()
     expect(page.locator("#picture")).to_have_attribute("aria-label", "The picture of job amber so far, layer color")
