@@ -84,6 +84,9 @@ fn light_groups_are_written_into_exr_files() {
     told(folder.path(), &[render.as_slice(), &["-o", "a.exr", "-o", "a.png"]].concat());
     let channels = read_channels(&folder.path().join("a.exr")).expect("reads");
     assert_eq!(channels.layer_names(), ["luminance", "light_group.bulb", "light_group.others"]);
+    let check = program(&["scene", "check", "lamps.xml"]).current_dir(folder.path()).output().expect("it starts");
+    let check = String::from_utf8_lossy(&check.stdout).into_owned();
+    assert!(check.contains("groups     bulb, others\n"), "{check}");
     let refused = program(&[render.as_slice(), &["-o", "a.png"]].concat()).current_dir(folder.path()).output();
     let refused = ended(&refused.expect("it starts"), 2);
     assert!(refused.contains("--light-groups goes into EXR files, and none is written"), "{refused}");
