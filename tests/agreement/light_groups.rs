@@ -155,7 +155,10 @@ fn groups_add_up_to_the_picture_and_that_is_as_without_groups() {
         let allowed = ERRORS * error.hypot(plain_error) + bias;
         println!("{method} {parameters}: {found:.5} ± {error:.5} of {expected:.5} ± {plain_error:.5}");
         assert!((found - expected).abs() < allowed, "{method} {parameters}: {found}, {expected} ± {allowed}");
-        // Photons of all groups are counted.
+        // Photons of all groups are counted; chains emit as many as they happen to.
+        if method == "mmlt" {
+            continue;
+        }
         let plain = Job::new(&whole, method, parameters).run(passes, 16);
         assert_eq!(estimates[0].photons_emitted(), GROUPS.len() as u64 * plain.photons_emitted(), "{method}");
     }

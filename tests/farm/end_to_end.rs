@@ -251,13 +251,13 @@ async fn light_groups_have_the_same_bits_from_one_worker_and_from_four() {
     let bulb = "<emitter type='point'><point name='position' value='0.5, 0, 0.5'/>\
         <string name='light_group' value='bulb'/></emitter></scene>";
     let scene = SCENE.replace("</scene>", bulb);
-    for (method, parameters) in [("sppm", json!({ "photons_per_pass": 3000 })), ("path", json!({}))] {
+    for (name, parameters) in [("sppm", json!({ "photons_per_pass": 3000 })), ("path", json!({}))] {
         let mut pictures = Vec::new();
         for (workers, victims, light_groups) in [(1, 0, true), (4, 3, true), (1, 0, false)] {
             let farm = Farm::start(Duration::from_millis(600)).await;
             let scene = farm.handle.add_scene(scene.clone().into()).await.expect("a good scene").hash;
             let parameters = parameters.as_object().expect("an object").clone();
-            let method = Some(method.to_owned());
+            let method = Some(name.to_owned());
             let request =
                 JobRequest { method, parameters, stop: passes(40), light_groups, ..JobRequest::of_scene(scene) };
             let id = farm.handle.submit(request).await.expect("a good request");
@@ -269,11 +269,11 @@ async fn light_groups_have_the_same_bits_from_one_worker_and_from_four() {
             let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
             pictures.push(farm.bits(id).await);
             let groups = if light_groups { ["bulb", "others"].as_slice() } else { &[] };
-            assert_eq!(farm.end(id).await.light_groups, groups, "{method}");
+            assert_eq!(farm.end(id).await.light_groups, groups, "{name}");
         }
-        assert!(pictures[0] == pictures[1], "{method}");
+        assert!(pictures[0] == pictures[1], "{name}");
         // Two groups of three channels more.
-        assert_eq!(pictures[0].len(), pictures[2].len() + 6 * 40 * 30, "{method}");
+        assert_eq!(pictures[0].len(), pictures[2].len() + 6 * 40 * 30, "{name}");
     }
 }
 
