@@ -69,6 +69,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("page/viewer/histogram_view.js", SCRIPT, include_str!("dashboard/page/viewer/histogram_view.js")),
     ("page/viewer/keys.js", SCRIPT, include_str!("dashboard/page/viewer/keys.js")),
     ("page/viewer/layers.js", SCRIPT, include_str!("dashboard/page/viewer/layers.js")),
+    ("page/viewer/light_groups.js", SCRIPT, include_str!("dashboard/page/viewer/light_groups.js")),
     ("page/viewer/look.js", SCRIPT, include_str!("dashboard/page/viewer/look.js")),
     ("page/viewer/paint.js", SCRIPT, include_str!("dashboard/page/viewer/paint.js")),
     ("page/viewer/palette.js", SCRIPT, include_str!("dashboard/page/viewer/palette.js")),

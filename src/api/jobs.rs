@@ -64,6 +64,10 @@ pub struct JobSubmission {
     /// Its share of the farm.
     #[serde(default)]
     pub priority: Priority,
+    /// Whether the light of each light group of its scene is kept apart, as a layer of the picture; false by default. A pass then costs as much as
+    /// one for each group.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub light_groups: bool,
 }
 
 /// A job's status with its addresses.
@@ -199,6 +203,9 @@ pub struct Validation {
     pub parameters: serde_json::Map<String, serde_json::Value>,
     /// Its stop rule.
     pub stop: StopRule,
+    /// The light groups that it keeps apart; empty unless that is asked for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub light_groups: Vec<String>,
     /// Picture width, pixels.
     pub width: u32,
     /// Picture height, pixels.
@@ -225,8 +232,8 @@ pub async fn validate_job(
 ) -> Result<Json<Validation>, Problem> {
     let (hash, bytes) = scene_of(&state, &caller, &mut submission).await?;
     let checked = state.coordinator.validate(submission.request(hash), bytes).await.map_err(submission_problem)?;
-    let JobStatus { scene, method, parameters, stop, width, height, notices, .. } = checked;
-    Ok(Json(Validation { scene, method, parameters, stop, width, height, notices }))
+    let JobStatus { scene, method, parameters, stop, light_groups, width, height, notices, .. } = checked;
+    Ok(Json(Validation { scene, method, parameters, stop, light_groups, width, height, notices }))
 }
 
 /// The hash of a job's scene that is there, or the bytes of one that is not yet, with the changes that the job asks for.
@@ -257,8 +264,8 @@ fn one_scene(has_two: bool) -> Problem {
 impl JobSubmission {
     /// The same with a scene that is there.
     fn request(self, scene: String) -> JobRequest {
-        let Self { method, parameters, stop, cut, seed, name, tags, priority, .. } = self;
-        JobRequest { scene, method, parameters, stop, cut, seed, name, tags, priority }
+        let Self { method, parameters, stop, cut, seed, name, tags, priority, light_groups, .. } = self;
+        JobRequest { scene, method, parameters, stop, cut, seed, name, tags, priority, light_groups }
     }
 }
 

@@ -3,7 +3,10 @@
 //! To watch a running job must cost next to nothing, however many do. So the values of a layer are kept for a while, and made anew at most after
 //! [`REST`] times as long as that takes: what is answered may be some passes old, and says how many it has.
 
+mod half;
+
 use std::num::NonZeroU32;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -14,13 +17,15 @@ use axum::response::{IntoResponse, Response};
 use serde::Deserialize;
 use utoipa::{IntoParams, ToSchema};
 
+use half::half_bits;
+
 use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
 use super::images::{etag, unchanged};
 use super::problem::Problem;
 use super::schemas::Bytes;
 use crate::estimate::Picture;
-use crate::estimate::picture_files::{Layer, PictureLayer};
+use crate::estimate::picture_files::{Layer, OF_LIGHT_GROUP, PictureLayer};
 use crate::farm::ids::JobId;
 use crate::farm::job::JobStatus;
 use crate::farm::{FarmError, LayeredPicture};
@@ -40,7 +45,7 @@ const KEPT_BYTES: usize = 256 << 20;
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
 pub struct PixelsQuery {
-    /// `color` (the default), or a layer of `image.exr`.
+    /// `color` (the default), a layer of `image.exr`, or `light_group.NAME` for the light of one light group.
     #[serde(default = "color")]
     pub layer: String,
     /// Each answered pixel is the mean of up to 2^level × 2^level; 0, the default, is the picture itself.
@@ -85,6 +90,9 @@ impl PixelsQuery {
     fn further_layer(&self) -> Result<Option<Layer>, Problem> {
         if self.layer == COLOR {
             return Ok(None);
+        }
+        if self.layer.starts_with(OF_LIGHT_GROUP) {
+            return Ok(Some(Layer::LightGroups));
         }
         let known = || format!("known layers: {COLOR}, {}", Layer::known());
         match Layer::parse_list(&self.layer).map_err(|unknown| Problem::bad_request(unknown.to_string(), known()))?[..]
@@ -132,7 +140,7 @@ pub struct Values {
     /// The job then.
     status: JobStatus,
     /// Names of the channels.
-    channels: &'static [&'static str],
+    channels: Vec<String>,
     /// All channels of a pixel beside each other, row-major, top row first.
     values: Vec<f32>,
     made: Instant,
@@ -142,11 +150,11 @@ pub struct Values {
 impl Values {
     fn new(picture: &Picture, layer: Option<PictureLayer>, status: JobStatus, began: Instant) -> Self {
         let (channels, values) = match layer {
-            None => (["R", "G", "B"].as_slice(), picture.radiance.as_flattened().to_vec()),
+            None => (["R", "G", "B"].map(str::to_owned).to_vec(), picture.radiance.as_flattened().to_vec()),
             Some(layer) => {
                 let pixels = 0..layer.channels.first().map_or(0, Vec::len);
                 let values = pixels.flat_map(|pixel| layer.channels.iter().map(move |channel| channel[pixel]));
-                (layer.layer.row().channels, values.collect())
+                (layer.channel_names(), values.collect())
             }
         };
         Self { status, channels, values, made: Instant::now(), cost: began.elapsed() }
@@ -158,31 +166,53 @@ impl Values {
         is_newest || (!status.state.is_final() && self.made.elapsed() < self.cost * REST)
     }
 
-    /// Means over the blocks of a part, channels beside each other. Blocks at the right and the lower edge may be smaller.
-    fn means(&self, part: Part) -> Vec<f32> {
+    /// The channels that a request means: those of one light group, or all.
+    #[expect(clippy::result_large_err, reason = "made at most once a request")]
+    fn chosen(&self, query: &PixelsQuery) -> Result<Range<usize>, Problem> {
+        if !query.layer.starts_with(OF_LIGHT_GROUP) {
+            return Ok(0..self.channels.len());
+        }
+        let is_of_group = |channel: &String| channel.rsplit_once('.').is_some_and(|(layer, _)| layer == query.layer);
+        let first = self.channels.iter().position(is_of_group).ok_or_else(|| {
+            let remedy = format!("it has {}", self.status.light_groups.join(", "));
+            Problem::bad_request(format!("the job has no layer \"{}\"", query.layer), remedy)
+        })?;
+        Ok(first..first + self.channels.iter().filter(|channel| is_of_group(channel)).count())
+    }
+
+    /// Means over the blocks of a part, the chosen channels beside each other. Blocks at the right and the lower edge may be smaller.
+    fn means(&self, part: Part, chosen: &Range<usize>) -> Vec<f32> {
         let ([width, height], channels) =
             ([self.status.width as usize, self.status.height as usize], self.channels.len());
         let range =
             |first: u32, end: usize| ((first as usize) << part.level)..(((first as usize + 1) << part.level).min(end));
-        let mut means = Vec::with_capacity(part.size[0] as usize * part.size[1] as usize * channels);
+        let mut means = Vec::with_capacity(part.size[0] as usize * part.size[1] as usize * chosen.len());
+        let mut sums = vec![0.0f64; chosen.len()];
         for row in part.first[1]..part.first[1] + part.size[1] {
             if part.level == 0 {
                 let start = row as usize * width + part.first[0] as usize;
-                means.extend_from_slice(&self.values[start * channels..(start + part.size[0] as usize) * channels]);
+                let row = &self.values[start * channels..(start + part.size[0] as usize) * channels];
+                match chosen.len() == channels {
+                    true => means.extend_from_slice(row),
+                    false => {
+                        row.chunks_exact(channels).for_each(|pixel| means.extend_from_slice(&pixel[chosen.clone()]))
+                    }
+                }
                 continue;
             }
             for column in part.first[0]..part.first[0] + part.size[0] {
                 let (rows, columns) = (range(row, height), range(column, width));
                 let count = (rows.len() * columns.len()) as f64;
-                let mut sums = [0.0f64; 3];
+                sums.fill(0.0);
                 for y in rows {
                     let block =
                         &self.values[(y * width + columns.start) * channels..(y * width + columns.end) * channels];
                     for pixel in block.chunks_exact(channels) {
-                        pixel.iter().zip(&mut sums).for_each(|(value, sum)| *sum += f64::from(*value));
+                        let pixel = pixel[chosen.clone()].iter();
+                        pixel.zip(&mut sums).for_each(|(value, sum)| *sum += f64::from(*value));
                     }
                 }
-                means.extend(sums[..channels].iter().map(|sum| (sum / count) as f32));
+                means.extend(sums.iter().map(|sum| (sum / count) as f32));
             }
         }
         means
@@ -286,11 +316,12 @@ pub async fn pixels(
     if let Some(unchanged) = unchanged(&values.status, &variant, &headers) {
         return Ok(unchanged);
     }
+    let chosen = values.chosen(&query)?;
     let shown = [
         ("photonfarm-level", part.level.to_string()),
         ("photonfarm-width", part.size[0].to_string()),
         ("photonfarm-height", part.size[1].to_string()),
-        ("photonfarm-channels", values.channels.join(",")),
+        ("photonfarm-channels", values.channels[chosen.clone()].join(",")),
         ("photonfarm-passes", values.status.passes_done.to_string()),
     ];
     let fixed = [
@@ -298,7 +329,7 @@ pub async fn pixels(
         (header::CACHE_CONTROL, "private, no-cache".to_owned()),
         (header::ETAG, etag(&values.status, &variant)),
     ];
-    let written = tokio::task::spawn_blocking(move || write(&values.means(part), query.format)).await;
+    let written = tokio::task::spawn_blocking(move || write(&values.means(part, &chosen), query.format)).await;
     let bytes = written.map_err(|error| FarmError::Internal(error.to_string()))?;
     Ok((fixed, shown.map(|(name, value)| (HeaderName::from_static(name), value)), bytes).into_response())
 }
@@ -314,51 +345,9 @@ fn write(values: &[f32], format: Format) -> Vec<u8> {
     bytes
 }
 
-/// The bits of the 16-bit float (IEEE 754 binary16) that is nearest.
-fn half_bits(value: f32) -> u16 {
-    let sign = (value.to_bits() >> 16) as u16 & 0x8000;
-    let size = value.abs();
-    if size.is_nan() {
-        return sign | 0x7e00;
-    }
-    // Halfway between the largest and what would be the next power of two.
-    if size >= 65520.0 {
-        return sign | 0x7c00;
-    }
-    // Between two powers of two there are 1024 steps, and below 2^-14 they get no smaller.
-    let exponent = (size.to_bits() >> 23).max(127 - 14);
-    let steps_of_one = f32::from_bits((127 + 127 + 10 - exponent) << 23);
-    let steps = (size * steps_of_one).round_ties_even() as u16;
-    sign | ((exponent - (127 - 14)) as u16 * 1024 + steps)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn halves_are_the_nearest() {
-        let known: [(f32, u16); 13] = [
-            (0.0, 0),
-            (-0.0, 0x8000),
-            (1.0, 0x3c00),
-            (-2.0, 0xc000),
-            (65504.0, 0x7bff),
-            (65519.9, 0x7bff),
-            (65520.0, 0x7c00),
-            (6.097_555e-5, 0x03ff),
-            (5.960_464_5e-8, 1),
-            (2.0e-8, 0),
-            (2046.4 / 2048.0, 0x3bfe),
-            (2047.6 / 2048.0, 0x3c00),
-            (f32::INFINITY, 0x7c00),
-        ];
-        for (value, bits) in known {
-            assert_eq!(half_bits(value), bits, "{value}");
-        }
-        assert_eq!(half_bits(f32::NAN) & 0x7c00, 0x7c00);
-        assert_ne!(half_bits(f32::NAN) & 0x03ff, 0);
-    }
 
     #[test]
     fn parts_lie_in_the_picture() {

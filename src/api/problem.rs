@@ -221,6 +221,9 @@ impl From<MethodError> for Problem {
             MethodError::Parameter { method, problem: what, remedy } => {
                 problem(format!("method \"{method}\": {what}")).remedy(remedy)
             }
+            MethodError::LightGroups { problem: what, remedy } => {
+                problem(format!("light groups cannot be kept apart: {what}")).remedy(remedy)
+            }
         }
     }
 }

@@ -58,6 +58,10 @@ pub(super) struct JobOptions {
     /// The job's share of the farm beside others, 1 to 1000.
     #[arg(long, default_value = "100", value_parser = priority)]
     priority: Priority,
+    /// Keep the light of each light group of the scene apart: EXR files get a layer for each, whose sum is the picture. A pass costs as much as one
+    /// for each group.
+    #[arg(long)]
+    pub(super) light_groups: bool,
     #[command(flatten)]
     pub(super) options: SceneOptions,
 }
@@ -123,6 +127,7 @@ impl JobOptions {
             name: self.name.clone(),
             tags: self.tags.clone(),
             priority: self.priority,
+            light_groups: self.light_groups,
         })
     }
 }

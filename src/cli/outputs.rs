@@ -63,6 +63,16 @@ impl OutputOptions {
         self.outputs.iter().try_for_each(|path| Ok(check_writable(path)?))
     }
 
+    /// Refuses to keep light groups apart for files that cannot hold them.
+    pub(super) fn check_light_groups(&self) -> Result<(), CliError> {
+        let is_exr = |path: &PathBuf| matches!(PictureFormat::of_path(path), Ok(PictureFormat::Exr));
+        if self.outputs.iter().any(is_exr) {
+            return Ok(());
+        }
+        let text = "--light-groups goes into EXR files, and none is written; give an -o that ends in .exr";
+        Err(CliError::Usage(text.to_owned()))
+    }
+
     /// Refuses options of formats that are not written.
     fn check_formats(&self, formats: &[PictureFormat]) -> Result<(), CliError> {
         let display = [PictureFormat::Png, PictureFormat::Jpeg, PictureFormat::Webp];
@@ -103,11 +113,11 @@ impl OutputOptions {
         let mut is_denoised = self.denoise;
         let mut relmse = None;
         for path in &self.outputs {
-            let mut fetched = client.image(&job.id, &self.image(path, is_denoised)?).await?;
+            let mut fetched = client.image(&job.id, &self.image(path, job, is_denoised)?).await?;
             if let Fetched::CannotDenoise(problem) = fetched {
                 terminal::note(&format!("the picture is written as it is: {problem}"));
                 is_denoised = false;
-                fetched = client.image(&job.id, &self.image(path, is_denoised)?).await?;
+                fetched = client.image(&job.id, &self.image(path, job, is_denoised)?).await?;
             }
             let Fetched::Image(image) = fetched else { return Ok(false) };
             relmse = relmse.or(image.denoised_relmse);
@@ -135,11 +145,14 @@ impl OutputOptions {
         format!("exposure={}&tone={tone}", self.exposure())
     }
 
-    fn image(&self, path: &Path, is_denoised: bool) -> Result<String, CliError> {
+    /// What is asked of a coordinator for a file. EXR files of jobs that keep light groups apart hold them.
+    fn image(&self, path: &Path, job: &JobStatus, is_denoised: bool) -> Result<String, CliError> {
         let layer = if is_denoised { "&layer=denoised" } else { "" };
         let display = format!("{}{layer}", self.display());
         let denoised = if is_denoised { [Layer::Denoised, Layer::DenoisedError].as_slice() } else { &[] };
-        let layers = self.layers.iter().map(String::as_str).chain(denoised.iter().map(|layer| layer.row().name));
+        let groups = if job.light_groups.is_empty() { [].as_slice() } else { &[Layer::LightGroups] };
+        let further = denoised.iter().chain(groups).map(|layer| layer.row().name);
+        let layers = self.layers.iter().map(String::as_str).chain(further);
         let layers = layers.collect::<Vec<_>>().join(",");
         Ok(match PictureFormat::of_path(path)? {
             PictureFormat::Exr => format!("image.exr?layers={layers}&half={}", self.half),

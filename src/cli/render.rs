@@ -62,6 +62,9 @@ impl Render {
             self.output.outputs = default_outputs(&self.job.scene);
         }
         self.output.check()?;
+        if self.job.light_groups {
+            self.output.check_light_groups()?;
+        }
         self.weight_maps.as_deref().map(weight_maps::check).transpose()?;
         self.preview.check()?;
         let scene = self.job.options.pack(&self.job.scene)?;

@@ -18,6 +18,7 @@ use crate::farm::coordinator::request::{ResolvedMethod, resolve_method};
 use crate::farm::job::JobRequest;
 use crate::method::SceneTraits;
 use crate::scene::description::{Node, PluginClass, SceneDescription};
+use crate::scene::light::groups::OTHERS;
 use crate::scene::prepare::Scene as PreparedScene;
 
 /// Look into a scene without rendering it.
@@ -131,6 +132,10 @@ impl Found {
         for class in CLASSES {
             line(class, kinds(&self.contents[class]));
         }
+        let groups = scene.lights.groups().names();
+        if groups != [OTHERS] {
+            line("groups", groups.join(", "));
+        }
         line("primitives", scene.geometry.primitive_count().to_string());
         line("read", format!("{:.3} s", self.read.as_secs_f64()));
         line("built", format!("{:.3} s", self.built.as_secs_f64()));
@@ -150,6 +155,7 @@ impl Found {
             "width": self.scene.width,
             "height": self.scene.height,
             "contents": self.contents,
+            "light_groups": self.scene.lights.groups().names(),
             "primitives": self.scene.geometry.primitive_count(),
             "read_seconds": self.read.as_secs_f64(),
             "build_seconds": self.built.as_secs_f64(),

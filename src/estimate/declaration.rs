@@ -65,6 +65,9 @@ pub struct PlaneDeclaration {
     pub rule: PlaneRule,
     /// Whether its mean is a part of the picture's radiance; such planes have three channels.
     pub in_picture: bool,
+    /// The light group whose light it holds alone. The name ends in it, after a dot.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub light_group: Option<String>,
 }
 
 /// How a scalar is merged. Both kinds are added; a count must be a whole number.
@@ -113,7 +116,19 @@ pub struct DeclarationError {
 
 impl PlaneDeclaration {
     fn new(name: &str, channels: usize, rule: PlaneRule, in_picture: bool) -> Self {
-        Self { name: name.to_owned(), channels, rule, in_picture }
+        Self { name: name.to_owned(), channels, rule, in_picture, light_group: None }
+    }
+
+    /// The same for a light group.
+    fn of_light_group(&self, group: &str) -> Self {
+        Self { name: format!("{}.{group}", self.name), light_group: Some(group.to_owned()), ..self.clone() }
+    }
+
+    /// Its name without the light group, for example [`FLUX`].
+    pub fn kind(&self) -> &str {
+        let group = self.light_group.as_ref();
+        let kind = group.and_then(|group| self.name.strip_suffix(group.as_str())?.strip_suffix('.'));
+        kind.unwrap_or(&self.name)
     }
 
     /// Whether the estimate keeps its sums. Counts only shrink radii.
@@ -162,6 +177,37 @@ impl Declaration {
         let counts = kinds.flat_map(|kind| [format!("{kind}{PROPOSED}"), format!("{kind}{ACCEPTED}")]);
         self.scalars.extend(counts.map(|name| ScalarDeclaration { name, rule: ScalarRule::Count }));
         self
+    }
+
+    /// The same for a job that keeps light groups apart: each plane that is a part of the picture becomes one for each group, so that the
+    /// picture is their sum. Without groups nothing changes.
+    #[must_use]
+    pub fn with_light_groups(mut self, groups: &[String]) -> Self {
+        if groups.is_empty() {
+            return self;
+        }
+        let planes = self.planes.into_iter().flat_map(|plane| match plane.in_picture {
+            true => groups.iter().map(|group| plane.of_light_group(group)).collect(),
+            false => vec![plane],
+        });
+        self.planes = planes.collect();
+        self
+    }
+
+    /// The light groups that it keeps apart.
+    pub fn light_groups(&self) -> Vec<&str> {
+        let mut groups: Vec<&str> = Vec::new();
+        for group in self.planes.iter().filter_map(|plane| plane.light_group.as_deref()) {
+            if !groups.contains(&group) {
+                groups.push(group);
+            }
+        }
+        groups
+    }
+
+    /// Indices of the planes of a kind: one plane, or one for each light group.
+    pub fn planes_of_kind(&self, kind: &str) -> impl Iterator<Item = usize> {
+        self.planes.iter().enumerate().filter(move |(_, plane)| plane.kind() == kind).map(|(index, _)| index)
     }
 
     /// The kinds of proposals that chains make.

@@ -18,7 +18,7 @@
 //! together. But noise says the opposite as often: what is found with the sign of one twin's bias turned around is what chance brings, and is
 //! subtracted. The rest counts when it is more than chance.
 
-use super::declaration::{FLUX, INNER_FLUX, PlaneRule};
+use super::declaration::{FLUX, INNER_FLUX, PlaneDeclaration, PlaneRule};
 use super::merging::{Estimate, RegionProgress};
 use super::reading::Scale;
 use super::shard::Twin;
@@ -164,11 +164,11 @@ impl Estimate {
         let scales = [scale(Twin::Even)?, scale(Twin::Odd)?];
         let shares = progress.passes.map(|passes| f64::from(passes) / f64::from(progress.all_passes()));
         for row in self.rows_of(progress) {
-            let of_twin = |twin: Twin, takes: fn(&PlaneRule) -> bool| {
+            let of_twin = |twin: Twin, takes: fn(&PlaneDeclaration) -> bool| {
                 self.radiance_of(row.clone(), &[twin], &scales[twin as usize], takes)
             };
             let radiance = TWINS.map(|twin| of_twin(twin, |_| true));
-            let sampled = TWINS.map(|twin| of_twin(twin, |rule| *rule != PlaneRule::FluxOverRadius));
+            let sampled = TWINS.map(|twin| of_twin(twin, |plane| plane.rule != PlaneRule::FluxOverRadius));
             for (column, pixel) in row.clone().enumerate() {
                 let at = |twins: &[[Vec<f64>; 3]; 2]| {
                     twins.each_ref().map(|channels| channels.each_ref().map(|channel| channel[column]))
@@ -182,10 +182,10 @@ impl Estimate {
 
     /// What a twin tells of the bias of a pixel's mean radiance; 0 without density estimates.
     fn bias_of(&self, pixel: usize, twin: Twin, scale: &Scale) -> f64 {
-        let sums = self.flux_sums(FLUX, twin).zip(self.flux_sums(INNER_FLUX, twin));
-        let Some((outer, inner)) = sums else { return 0.0 };
-        let channels = [0, 1, 2].map(|channel| outer[channel * self.pixel_count() + pixel]);
-        2.0 * (channels.iter().sum::<f64>() / 3.0 - 2.0 * inner[pixel]) * scale.per_photon
+        let Some(inner) = self.plane_sums(INNER_FLUX, twin).next() else { return 0.0 };
+        let channels = |outer: &[f64]| [0, 1, 2].map(|channel| outer[channel * self.pixel_count() + pixel]);
+        let outer = self.plane_sums(FLUX, twin).map(|outer| channels(outer).iter().sum::<f64>() / 3.0).sum::<f64>();
+        2.0 * (outer - 2.0 * inner[pixel]) * scale.per_photon
     }
 }
 

@@ -45,21 +45,22 @@ impl Estimate {
     }
 }
 
-/// The sums of both twins.
+/// The sums of both twins, one after the other.
 struct EvennessSums<'a> {
     pixels: usize,
-    flux: [&'a [f64]; 2],
-    inner_flux: [&'a [f64]; 2],
-    slope: [&'a [f64]; 2],
-    squared_flux: [&'a [f64]; 2],
+    /// Of all light groups.
+    flux: Vec<&'a [f64]>,
+    inner_flux: Vec<&'a [f64]>,
+    slope: Vec<&'a [f64]>,
+    squared_flux: Vec<&'a [f64]>,
 }
 
 impl<'a> EvennessSums<'a> {
     /// `None` where the method does not declare them all.
     fn of(estimate: &'a Estimate) -> Option<Self> {
-        let of_both = |name: &str| {
-            let [even, odd] = [Twin::Even, Twin::Odd].map(|twin| estimate.plane_sums(name, twin));
-            Some([even?, odd?])
+        let of_both = |kind: &'static str| {
+            let sums = [Twin::Even, Twin::Odd].into_iter().flat_map(move |twin| estimate.plane_sums(kind, twin));
+            Some(sums.collect::<Vec<_>>()).filter(|sums| !sums.is_empty())
         };
         Some(Self {
             pixels: estimate.pixel_count(),
@@ -72,14 +73,14 @@ impl<'a> EvennessSums<'a> {
 
     /// X of a pixel; 0 before it found a photon.
     fn chi_squared(&self, pixel: usize) -> f64 {
-        let channel = |sums: [&[f64]; 2], channel: usize| {
+        let channel = |sums: &[&[f64]], channel: usize| {
             let place = channel * self.pixels + pixel;
-            sums[0][place] + sums[1][place]
+            sums.iter().fold(0.0, |sum, plane| sum + plane[place])
         };
-        let flux = (channel(self.flux, 0) + channel(self.flux, 1) + channel(self.flux, 2)) / 3.0;
-        let [a, b] = [0, 1].map(|axis| channel(self.slope, axis));
-        let c = 2.0 * channel(self.inner_flux, 0) - flux;
-        let v = channel(self.squared_flux, 0);
+        let flux = (channel(&self.flux, 0) + channel(&self.flux, 1) + channel(&self.flux, 2)) / 3.0;
+        let [a, b] = [0, 1].map(|axis| channel(&self.slope, axis));
+        let c = 2.0 * channel(&self.inner_flux, 0) - flux;
+        let v = channel(&self.squared_flux, 0);
         if v > 0.0 { (2.0 * (a * a + b * b) + c * c) / v } else { 0.0 }
     }
 }

@@ -8,6 +8,7 @@ pub mod declaration;
 pub mod denoise;
 pub mod error;
 pub mod evenness;
+mod group_sums;
 pub mod merging;
 pub mod picture;
 pub mod picture_files;
@@ -21,6 +22,7 @@ pub mod tally;
 
 pub use declaration::{Declaration, PlaneDeclaration, PlaneRule, ScalarDeclaration, ScalarRule};
 pub use error::ErrorEstimate;
+pub use group_sums::GroupSums;
 pub use merging::{Acceptance, Estimate, EstimateError, MergeError};
 pub use picture::Picture;
 pub use radius::{RadiusField, RadiusRule};

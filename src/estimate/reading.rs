@@ -47,20 +47,25 @@ impl Estimate {
     /// Radiance as estimated so far: the sum of the means of the planes that are parts of the picture. Regions without a pass
     /// are black.
     pub fn picture(&self) -> Picture {
-        self.picture_of(&[Twin::Even, Twin::Odd])
+        self.picture_of(&[Twin::Even, Twin::Odd], |_| true)
     }
 
     /// The same of one twin alone.
     pub fn twin_picture(&self, twin: Twin) -> Picture {
-        self.picture_of(&[twin])
+        self.picture_of(&[twin], |_| true)
     }
 
-    fn picture_of(&self, twins: &[Twin]) -> Picture {
+    /// The part of [`Estimate::picture`] that is the light of a light group.
+    pub fn light_group_picture(&self, group: &str) -> Picture {
+        self.picture_of(&[Twin::Even, Twin::Odd], |plane| plane.light_group.as_deref() == Some(group))
+    }
+
+    fn picture_of(&self, twins: &[Twin], takes: impl Fn(&PlaneDeclaration) -> bool) -> Picture {
         let mut radiance = vec![[0.0f32; 3]; self.pixel_count()];
         for progress in &self.progress {
             let Some(scale) = progress.scale(&self.declaration, twins) else { continue };
             for row in self.rows_of(progress) {
-                let channels = self.radiance_of(row.clone(), twins, &scale, |_| true);
+                let channels = self.radiance_of(row.clone(), twins, &scale, &takes);
                 for (index, output) in radiance[row].iter_mut().enumerate() {
                     *output = channels.each_ref().map(|channel| channel[index] as f32);
                 }
@@ -82,11 +87,11 @@ impl Estimate {
         pixels: Range<usize>,
         twins: &[Twin],
         scale: &Scale,
-        takes: impl Fn(&PlaneRule) -> bool,
+        takes: impl Fn(&PlaneDeclaration) -> bool,
     ) -> [Vec<f64>; 3] {
         let mut radiance: [Vec<f64>; 3] = std::array::from_fn(|_| vec![0.0; pixels.len()]);
         for (index, plane) in self.declaration.planes.iter().enumerate() {
-            if plane.in_picture && takes(&plane.rule) {
+            if plane.in_picture && takes(plane) {
                 for (channel, output) in radiance.iter_mut().enumerate() {
                     self.add_mean([index, channel], pixels.clone(), twins, scale, output);
                 }
@@ -152,10 +157,10 @@ impl Estimate {
 
     /// What the passes of `twins` add up to in a pixel.
     pub fn sums(&self, pixel: usize, twins: &[Twin]) -> PixelSums {
-        let channel = |name: &str, channel: usize| {
+        let channel = |kind: &str, channel: usize| {
             let is_there = |index: &usize| channel < self.declaration.planes[*index].channels;
-            let plane = self.declaration.plane(name).filter(is_there);
-            plane.map_or(0.0, |plane| self.sum(plane, channel, pixel, twins))
+            let planes = self.declaration.planes_of_kind(kind).filter(is_there);
+            planes.fold(0.0, |sum, plane| sum + self.sum(plane, channel, pixel, twins))
         };
         PixelSums {
             flux_density: [0, 1, 2].map(|c| channel(FLUX, c)),
@@ -164,16 +169,9 @@ impl Estimate {
         }
     }
 
-    /// The sums of a plane of one twin, all channels; `None` where the estimate keeps none.
-    pub(super) fn flux_sums(&self, name: &str, twin: Twin) -> Option<&[f64]> {
-        let is_flux = |plane: &PlaneDeclaration| plane.rule == PlaneRule::FluxOverRadius;
-        let index = self.declaration.plane(name).filter(|index| is_flux(&self.declaration.planes[*index]))?;
-        Some(&self.twins[twin as usize][index])
-    }
-
-    /// The sums of any plane of one twin, all channels; `None` where it is not declared.
-    pub(super) fn plane_sums(&self, name: &str, twin: Twin) -> Option<&[f64]> {
-        Some(&self.twins[twin as usize][self.declaration.plane(name)?])
+    /// The sums of the planes of a kind of one twin, all channels; none where it is not declared.
+    pub(super) fn plane_sums(&self, kind: &str, twin: Twin) -> impl Iterator<Item = &[f64]> {
+        self.declaration.planes_of_kind(kind).map(move |index| self.twins[twin as usize][index].as_slice())
     }
 
     /// What decides a pixel's radius; 1 m² and no photons where the method gathers nothing.

@@ -102,10 +102,10 @@ fn channels<T: Pod>(pixels: &[T], planes: Planes, declared: &PlaneDeclaration) -
     Some(plane)
 }
 
-/// Where the sums of a declared plane begin; `None` for one of another name or another number of channels.
+/// Where the sums of a declared plane begin; `None` for one of another kind or another number of channels.
 fn first_word(planes: Planes, declared: &PlaneDeclaration) -> Option<usize> {
     let is_same =
-        |(name, _, channels): &&(&str, usize, usize)| *name == declared.name && *channels == declared.channels;
+        |(name, _, channels): &&(&str, usize, usize)| *name == declared.kind() && *channels == declared.channels;
     planes.iter().find(is_same).map(|(_, first, _)| *first)
 }
 

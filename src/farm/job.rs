@@ -116,6 +116,9 @@ pub struct JobRequest {
     /// Its share of the farm.
     #[serde(default)]
     pub priority: Priority,
+    /// Whether the light of each light group of its scene is kept apart.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub light_groups: bool,
 }
 
 impl JobRequest {
@@ -131,6 +134,7 @@ impl JobRequest {
             name: None,
             tags: Vec::new(),
             priority: Priority::DEFAULT,
+            light_groups: false,
         }
     }
 }
@@ -299,6 +303,9 @@ pub struct JobStatus {
     pub cut: Cut,
     /// Its seed.
     pub seed: u64,
+    /// The light groups that it keeps apart, as layers of its picture; empty unless that was asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub light_groups: Vec<String>,
     /// Picture width, pixels.
     pub width: u32,
     /// Picture height, pixels.

@@ -152,6 +152,14 @@ impl Draft {
         self.with(name, Value::String(text.to_owned()))
     }
 
+    /// An emitter, in a light group where one is named.
+    pub(super) fn in_light_group(self, group: Option<&str>) -> Self {
+        match group {
+            Some(group) => self.with_text("light_group", group),
+            None => self,
+        }
+    }
+
     pub(super) fn with_rgb(self, name: &str, rgb: [f64; 3]) -> Self {
         self.with(name, Value::Rgb(rgb))
     }

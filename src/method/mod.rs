@@ -9,7 +9,9 @@ pub mod bidirectional_settings;
 mod bounded_numbers;
 pub mod chain_pass;
 pub mod checked_method;
+pub mod error;
 pub mod gather_ends;
+pub mod light_groups;
 pub mod light_tracing;
 pub mod mlt;
 pub mod mmlt;
@@ -43,6 +45,8 @@ pub use crate::scene::light::emission_guide::MOST_VALUES as MOST_GUIDE_VALUES;
 pub use crate::scene::light::visibility::MOST_VALUES as MOST_VISIBILITY_VALUES;
 
 pub use checked_method::{CheckedMethod, Contradiction, Gathering, ParameterizedMethod};
+pub use error::MethodError;
+pub use light_groups::check_light_groups;
 pub use parameters::ParameterHelp;
 
 /// One method of the table.
@@ -247,29 +251,6 @@ pub struct MethodChoice {
     /// Parameters by name; whatever is missing takes its default.
     #[serde(default)]
     pub parameters: serde_json::Map<String, serde_json::Value>,
-}
-
-/// A method that does not exist, or parameters that it cannot take.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum MethodError {
-    /// No method has this name.
-    #[error("there is no method \"{name}\"; {remedy}")]
-    Unknown {
-        /// What the user wrote.
-        name: String,
-        /// Nearest names.
-        remedy: String,
-    },
-    /// A parameter is unknown, of the wrong type or out of range.
-    #[error("method \"{method}\": {problem}; {remedy}")]
-    Parameter {
-        /// The method.
-        method: &'static str,
-        /// What is wrong.
-        problem: String,
-        /// The allowed range, or the nearest name.
-        remedy: String,
-    },
 }
 
 /// The table.

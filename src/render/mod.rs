@@ -1,22 +1,22 @@
 //! Passes on this machine's threads. The one door through which farm workers reach the methods.
 
 pub mod first_surface;
+mod part;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use crate::estimate::declaration::{NON_FINITE, PHOTONS_EMITTED, PHOTONS_STORED, RAYS};
-use crate::estimate::{Declaration, ProposalCount, RadiusField, Shard, ShardSums, Tally};
+use crate::estimate::{Declaration, GroupSums, ProposalCount, RadiusField, Shard, ShardSums, Tally};
 use crate::method::{
     self, CheckedMethod, EMISSION_GUIDE, FIRST_RADIUS_SQUARED, LIGHT_VISIBILITY, MethodError, Pass, PilotField,
-    PreparedMethod,
 };
 use crate::scene::Scene;
-use crate::scene::light::emission_guide::{self, EmissionGuide};
+use crate::scene::light::emission_guide;
 use crate::scene::light::visibility::VisibilityError;
-use crate::scene::light::{LightTable, LightVisibility};
 use crate::transport::Counters;
 use crate::transport::counters::{Step, StepCounts};
+use part::Part;
 
 /// The caller asked to stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -26,9 +26,9 @@ pub struct Cancelled;
 /// What a pilot learnt that all passes of its job need.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Guides {
-    /// Where photons start, as numbers of an [`EmissionGuide`]; empty for emission by power.
+    /// Where photons start, as numbers of an [`EmissionGuide`](emission_guide::EmissionGuide); empty for emission by power.
     pub emission: Vec<f32>,
-    /// Which lights are seen where, as numbers of a [`LightVisibility`]; empty for picks that know nothing of it.
+    /// Which lights are seen where, as numbers of a [`LightVisibility`](crate::scene::light::LightVisibility); empty for picks that know nothing of it.
     pub visibility: Vec<f32>,
 }
 
@@ -95,20 +95,39 @@ impl Pilot {
 /// A job ready to be traced on this machine: prepared scene, checked method, seed, and what its pilot learnt. Every function is pure.
 #[derive(Clone)]
 pub struct Renderer {
-    scene: Arc<Scene>,
     checked: CheckedMethod,
     seed: u64,
-    method: Arc<dyn PreparedMethod>,
+    /// Of all light.
+    whole: Part,
+    /// Of the light of each group by name, where they are kept apart.
+    groups: Vec<(String, Part)>,
     declaration: Arc<Declaration>,
-    guide: Option<Arc<EmissionGuide>>,
 }
 
 impl Renderer {
     /// Prepares `method` for `scene`.
     pub fn new(scene: Arc<Scene>, method: &CheckedMethod, seed: u64) -> Result<Self, MethodError> {
         let declaration = method::declaration(method);
-        let prepared = method::prepare(scene.clone(), method, seed)?;
-        Ok(Self { checked: method.clone(), seed, method: prepared.into(), scene, declaration, guide: None })
+        let whole = Part::new(scene, method, seed)?;
+        Ok(Self { checked: method.clone(), seed, whole, groups: Vec::new(), declaration })
+    }
+
+    /// The same job with the light of each group kept apart. The method is prepared once for each group, for a scene in which nothing else
+    /// emits: no method knows of groups, and all of them follow the same camera paths.
+    ///
+    /// # Errors
+    /// See [`method::check_light_groups`].
+    pub fn with_light_groups(self) -> Result<Self, MethodError> {
+        let scene = &self.whole.scene;
+        let names = scene.lights.groups().names().to_vec();
+        method::check_light_groups(Some(&self.checked), &names)?;
+        let part = |(index, name): (usize, &String)| {
+            let lit = Arc::new(scene.with_lights(scene.lights.only(index)));
+            Ok((name.clone(), Part::new(lit, &self.checked, self.seed)?))
+        };
+        let groups = names.iter().enumerate().map(part).collect::<Result<Vec<_>, MethodError>>()?;
+        let declaration = Arc::new(Declaration::clone(&self.declaration).with_light_groups(&names));
+        Ok(Self { groups, declaration, ..self })
     }
 
     /// The same job as its pilot found that it is best traced: see [`Pilot::guides`]. Whoever traces any of a job's
@@ -117,25 +136,9 @@ impl Renderer {
     /// # Errors
     /// Numbers that do not fit the scene's lights.
     pub fn guided(&self, guides: &Guides) -> Result<Self, GuideError> {
-        let lights = &self.scene.lights;
-        let mut picks: Option<LightTable> = None;
-        let mut guide = None;
-        if !guides.visibility.is_empty() {
-            picks = Some(lights.with_visibility(LightVisibility::new(&guides.visibility, lights)?));
-        }
-        if !guides.emission.is_empty() {
-            let found = EmissionGuide::new(&guides.emission, lights)?;
-            match found.picks_lights_alone() {
-                true => {
-                    let probabilities: Vec<f64> = found.probabilities().collect();
-                    picks = picks.as_ref().unwrap_or(lights).with_emission_picks(&probabilities);
-                }
-                false => guide = Some(Arc::new(found)),
-            }
-        }
-        let Some(picks) = picks else { return Ok(Self { guide, ..self.clone() }) };
-        let scene = Arc::new(self.scene.with_lights(picks));
-        Ok(Self { guide, ..Self::new(scene, &self.checked, self.seed)? })
+        let guided = |part: &Part| part.guided(guides, &self.checked, self.seed);
+        let groups = self.groups.iter().map(|(name, part)| Ok((name.clone(), guided(part)?)));
+        Ok(Self { whole: guided(&self.whole)?, groups: groups.collect::<Result<_, GuideError>>()?, ..self.clone() })
     }
 
     /// What its tallies hold.
@@ -143,25 +146,56 @@ impl Renderer {
         &self.declaration
     }
 
-    /// Finds which lights are seen where, where photons should start, first radii and costs, on the calling rayon pool.
+    /// Finds which lights are seen where, where photons should start, first radii and costs, on the calling rayon pool. Light groups have
+    /// all of it in common.
     pub fn pilot(&self, cancel: &AtomicBool) -> Result<Pilot, Cancelled> {
+        let scene = &self.whole.scene;
         let visibility = match self.checked.light_sampling() {
-            Some(sampling) => sampling.learn(&self.scene, self.seed, cancel).ok_or(Cancelled)?,
+            Some(sampling) => sampling.learn(scene, self.seed, cancel).ok_or(Cancelled)?,
             None => None,
         };
         let guides = Guides { visibility: visibility.unwrap_or_default(), ..Guides::default() };
         // The numbers were read once already.
-        let seeing = self.guided(&guides).unwrap_or_else(|_| self.clone());
+        let seeing = self.whole.guided(&guides, &self.checked, self.seed).unwrap_or_else(|_| self.whole.clone());
         let mut found = seeing.method.pilot(cancel).ok_or(Cancelled)?;
         if !guides.visibility.is_empty() {
             found.fields.push(PilotField { name: LIGHT_VISIBILITY.to_owned(), values: guides.visibility });
         }
-        Ok(Pilot::new(found.fields, nominal_cost(&found.counters, self.scene.pixel_count())))
+        let cost = nominal_cost(&found.counters, scene.pixel_count());
+        Ok(Pilot::new(found.fields, cost * self.groups.len().max(1) as u64))
     }
 
     /// Traces a shard with the radii of `field` (one per pixel of the shard's region where the method gathers), on the calling rayon pool.
     pub fn trace(&self, shard: Shard, field: &RadiusField, cancel: &AtomicBool) -> Result<Tally, Cancelled> {
-        let mut sums = ShardSums::zero_declared(shard.region.pixel_count(self.scene.width), &self.declaration);
+        let width = self.whole.scene.width;
+        let mut total = Counters::default();
+        let mut tally = if self.groups.is_empty() {
+            let (sums, counters) = self.trace_part(&self.whole, shard, field, cancel)?;
+            total += counters;
+            Tally::from_sums(shard, width, &self.declaration, &sums)
+        } else {
+            let mut groups = Vec::new();
+            for (name, part) in &self.groups {
+                let (sums, counters) = self.trace_part(part, shard, field, cancel)?;
+                total += counters;
+                let photons_emitted = counters.photons_emitted;
+                groups.push(GroupSums { group: name.clone(), sums, photons_emitted });
+            }
+            Tally::from_groups(shard, width, &self.declaration, &groups)
+        };
+        set_counts(&mut tally, &total);
+        Ok(tally)
+    }
+
+    /// Traces the passes of a shard.
+    fn trace_part(
+        &self,
+        part: &Part,
+        shard: Shard,
+        field: &RadiusField,
+        cancel: &AtomicBool,
+    ) -> Result<(ShardSums, Counters), Cancelled> {
+        let mut sums = ShardSums::zero_declared(shard.region.pixel_count(part.scene.width), &self.declaration);
         let mut total = Counters::default();
         for index in shard.pass_indices() {
             let scale = field.scale_of_pass(self.declaration.radius_rule, self.declaration.alpha, index);
@@ -171,20 +205,23 @@ impl Renderer {
                 radius_squared: &field.radius_squared,
                 scale,
                 typical_radius_squared: field.typical_radius_squared * scale,
-                guide: self.guide.as_deref(),
+                guide: part.guide.as_deref(),
             };
-            total += self.method.trace_pass(&pass, &mut sums, cancel).ok_or(Cancelled)?;
+            total += part.method.trace_pass(&pass, &mut sums, cancel).ok_or(Cancelled)?;
         }
-        let mut tally = Tally::from_sums(shard, self.scene.width, &self.declaration, &sums);
-        tally.set_scalar(PHOTONS_EMITTED, total.photons_emitted as f64);
-        tally.set_scalar(PHOTONS_STORED, total.photons_stored as f64);
-        tally.set_scalar(RAYS, total.rays as f64);
-        tally.set_scalar(NON_FINITE, total.non_finite as f64);
-        let StepCounts { proposed, accepted } = total.steps;
-        for (step, (proposed, accepted)) in Step::ALL.iter().zip(proposed.into_iter().zip(accepted)) {
-            tally.set_proposals(step.name(), ProposalCount { proposed, accepted });
-        }
-        Ok(tally)
+        Ok((sums, total))
+    }
+}
+
+/// Sets what is counted over a whole shard.
+fn set_counts(tally: &mut Tally, total: &Counters) {
+    tally.set_scalar(PHOTONS_EMITTED, total.photons_emitted as f64);
+    tally.set_scalar(PHOTONS_STORED, total.photons_stored as f64);
+    tally.set_scalar(RAYS, total.rays as f64);
+    tally.set_scalar(NON_FINITE, total.non_finite as f64);
+    let StepCounts { proposed, accepted } = total.steps;
+    for (step, (proposed, accepted)) in Step::ALL.iter().zip(proposed.into_iter().zip(accepted)) {
+        tally.set_proposals(step.name(), ProposalCount { proposed, accepted });
     }
 }
 

@@ -140,8 +140,7 @@ impl Scene {
         camera.stand_outside(geometry.bounding_sphere());
         let mut lights = PlacedLights::default();
         place_area_lights(&mut geometry, &members, area_lights, &mut lights);
-        let lights =
-            light_table(&geometry, lights, &emitters, sensor, &mut textures, description)?.with_seen_only(seen_only);
+        let lights = light_table(&geometry, (lights, seen_only), &emitters, sensor, &mut textures, description)?;
         check_view(&camera, &geometry, &materials, sensor)?;
         let Film { width, height, .. } = film;
         let (geometry, lights) = (Arc::new(geometry), Arc::new(lights));

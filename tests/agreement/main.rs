@@ -20,6 +20,7 @@ mod formats;
 mod gather_twin;
 mod guided_emission;
 mod irradiance_cache;
+mod light_groups;
 mod many_maps;
 mod materials;
 mod methods;

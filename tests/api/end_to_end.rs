@@ -325,6 +325,87 @@ async fn first_surfaces_are_layers_in_any_order() {
     assert_eq!(again.bytes().await.expect("bytes"), bytes);
 }
 
+/// The furnace with a second lamp in a light group, or with so many.
+fn scene_of_groups(groups: &[&str]) -> String {
+    let lamp = |group: &&str| {
+        format!(
+            "<emitter type='point'><rgb name='intensity' value='1'/><string name='light_group' value='{group}'/></emitter>"
+        )
+    };
+    SCENE.replace("</scene>", &(groups.iter().map(lamp).collect::<String>() + "</scene>"))
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn light_groups_are_layers_whose_sum_is_the_picture() {
+    let farm = Farm::start(1).await;
+    let parameters = json!({ "photons_per_pass": 2000 });
+    let job = json!({ "scene_inline": scene_of_groups(&["bulb"]), "method": "sppm", "parameters": parameters,
+        "stop": { "passes": 2 }, "light_groups": true });
+    let (_, valid) = answer(farm.post("/v1/jobs/validate", job.to_string()).await).await;
+    assert_eq!(valid["light_groups"], json!(["bulb", "others"]));
+    let (status, body) = answer(farm.post("/v1/jobs", job.to_string()).await).await;
+    assert_eq!((status, &body["light_groups"]), (202, &json!(["bulb", "others"])));
+    let id = body["id"].as_str().expect("an id");
+    farm.events(id).await;
+    let exr = farm.get(&format!("/v1/jobs/{id}/image.exr?layers=light_groups")).await.bytes().await.expect("bytes");
+    let channels = exr_channels(&exr);
+    assert_eq!(channels.len(), 9);
+    for color in ["R", "G", "B"] {
+        let of = |group: &str| &channels[&format!("light_group.{group}.{color}")];
+        let whole = of("bulb").iter().zip(of("others")).map(|(bulb, others)| bulb + others).zip(&channels[color]);
+        assert!(of("bulb").iter().any(|value| *value > 0.0) && of("others").iter().any(|value| *value > 0.0));
+        assert!(whole.into_iter().all(|(sum, whole)| (sum - whole).abs() <= 1e-6 * whole), "{color}");
+    }
+    let pixels = async |layer: &str| {
+        let answer = farm.get(&format!("/v1/jobs/{id}/pixels?layer={layer}&level=3")).await;
+        let names = answer.headers()["photonfarm-channels"].to_str().expect("text").to_owned();
+        (names, answer.bytes().await.expect("bytes").len())
+    };
+    let (bulb, others) = (
+        "light_group.bulb.R,light_group.bulb.G,light_group.bulb.B",
+        "light_group.others.R,light_group.others.G,light_group.others.B",
+    );
+    assert_eq!(pixels("light_group.others").await, (others.to_owned(), 8 * 8 * 12));
+    assert_eq!(pixels("light_groups").await, (format!("{bulb},{others}"), 8 * 8 * 24));
+    let map = farm.get(&format!("/v1/jobs/{id}/map.svg?layer=light_group.bulb")).await.text().await.expect("text");
+    assert!(map.contains("light_group.bulb: light of each light group"), "{}", &map[..400]);
+    let unknown =
+        problem(farm.get(&format!("/v1/jobs/{id}/pixels?layer=light_group.rim")).await, 422, "bad-request").await;
+    assert_eq!(unknown["remedy"], "it has bulb, others");
+    // A clone is a job of the same kind.
+    let (_, clone) = answer(farm.post(&format!("/v1/jobs/{id}/clone"), "{}").await).await;
+    assert_eq!(clone["light_groups"], json!(["bulb", "others"]));
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn light_groups_that_cannot_be_are_refused() {
+    let farm = Farm::start(1).await;
+    let submit = async |scene: String, method: &str, parameters: Value| {
+        let job = json!({ "scene_inline": scene, "method": method, "parameters": parameters, "light_groups": true });
+        farm.post("/v1/jobs", job.to_string()).await
+    };
+    let names: Vec<String> = (0..16).map(|index| format!("lamp-{index}")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let many = problem(submit(scene_of_groups(&names), "path", json!({})).await, 422, "bad-method").await;
+    assert_eq!(many["detail"], "light groups cannot be kept apart: the scene has 17");
+    assert_eq!(many["remedy"], "give its lights at most 16");
+    let alike = problem(submit(scene_of_groups(&["key", "Key"]), "path", json!({})).await, 422, "bad-scene").await;
+    assert_eq!(alike["detail"], "light groups \"key\" and \"Key\" differ only by case");
+    assert!(alike["place"].as_str().is_some_and(|place| place.contains("light_group")), "{alike}");
+    let hints = json!({ "user_paths": [{ "points": [[0, 0, 0], [0, -1, 0]] }] });
+    let refused = problem(submit(scene_of_groups(&["key"]), "mlt", hints).await, 422, "bad-method").await;
+    assert_eq!(refused["remedy"], "leave user_paths or light_groups out");
+    // A job that keeps none has no such layer.
+    let id = farm.submit(json!({ "passes": 1 })).await;
+    farm.events(&id).await;
+    for path in ["image.exr?layers=light_groups", "pixels?layer=light_groups", "map.png?layer=light_group.key"] {
+        let refused = problem(farm.get(&format!("/v1/jobs/{id}/{path}")).await, 422, "bad-request").await;
+        assert_eq!(refused["remedy"], "submit one with light_groups (--light-groups)", "{path}");
+    }
+    let (_, status) = answer(farm.get(&format!("/v1/jobs/{id}")).await).await;
+    assert!(status.get("light_groups").is_none(), "{status}");
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn layers_become_maps() {
     let farm = Farm::start(1).await;
@@ -461,7 +542,8 @@ async fn bad_image_options_are_refused() {
     }
     let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
-    let known = "known layers: radius, photons, error, albedo, normal, depth, position, denoised, denoised_error";
+    let known =
+        "known layers: radius, photons, error, albedo, normal, depth, position, denoised, denoised_error, light_groups";
     assert_eq!(unknown["remedy"], known);
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::command_line::{ended, program, run};
-use photonfarm::estimate::picture_files::{PictureOrigin, decode_exr, read_origin};
+use photonfarm::estimate::picture_files::{PictureOrigin, decode_exr, read_channels, read_origin};
 
 const SCENE: &str = "tests/references/cornell-diffuse/scene.xml";
 
@@ -70,6 +70,26 @@ fn pictures_have_the_format_that_their_names_ask_for() {
     // Half floats have bits only above the lowest 13 of 32.
     let exr = decode_exr(&read("a.exr")).expect("decodes");
     assert!(exr.radiance.iter().flatten().all(|value| value.to_bits() & 0x1fff == 0));
+}
+
+/// Whoever asks for light groups finds them in the EXR file, without naming a layer.
+#[test]
+fn light_groups_are_written_into_exr_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lamp = "<emitter type='point'><point name='position' value='0, 0.3, 0'/>\
+        <string name='light_group' value='bulb'/></emitter></scene>";
+    let scene = std::fs::read_to_string(SCENE).expect("a reference").replace("</scene>", lamp);
+    std::fs::write(folder.path().join("lamps.xml"), scene).expect("writes");
+    let render = ["render", "lamps.xml", "--size", "16", "--method", "path", "--passes", "2", "--light-groups"];
+    told(folder.path(), &[render.as_slice(), &["-o", "a.exr", "-o", "a.png"]].concat());
+    let channels = read_channels(&folder.path().join("a.exr")).expect("reads");
+    assert_eq!(channels.layer_names(), ["luminance", "light_group.bulb", "light_group.others"]);
+    let check = program(&["scene", "check", "lamps.xml"]).current_dir(folder.path()).output().expect("it starts");
+    let check = String::from_utf8_lossy(&check.stdout).into_owned();
+    assert!(check.contains("groups     bulb, others\n"), "{check}");
+    let refused = program(&[render.as_slice(), &["-o", "a.png"]].concat()).current_dir(folder.path()).output();
+    let refused = ended(&refused.expect("it starts"), 2);
+    assert!(refused.contains("--light-groups goes into EXR files, and none is written"), "{refused}");
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn methods_store_only_what_they_declare() {
 }
 
 fn plane(name: &str, channels: usize, rule: PlaneRule, in_picture: bool) -> PlaneDeclaration {
-    PlaneDeclaration { name: name.to_owned(), channels, rule, in_picture }
+    PlaneDeclaration { name: name.to_owned(), channels, rule, in_picture, light_group: None }
 }
 
 fn ratio(denominator: &str) -> PlaneRule {

@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::fault_proxy::FaultProxy;
 use crate::hand::Hand;
 use photonfarm::estimate::declaration::PHOTONS_EMITTED;
-use photonfarm::estimate::picture_files::LAYERS;
+use photonfarm::estimate::picture_files::{LAYERS, Layer};
 use photonfarm::estimate::{Declaration, RadiusRule, Shard, Tally};
 use photonfarm::farm::cut::Cut;
 use photonfarm::farm::dial::Dialer;
@@ -110,7 +110,9 @@ impl Farm {
     async fn bits(&self, id: JobId) -> Vec<u32> {
         let status = self.end(id).await;
         assert_eq!(status.state, JobState::Done, "{status:?}");
-        let layers = LAYERS.map(|row| row.layer);
+        let keeps_groups = !status.light_groups.is_empty();
+        let layers = LAYERS.map(|row| row.layer).into_iter();
+        let layers: Vec<Layer> = layers.filter(|layer| keeps_groups || *layer != Layer::LightGroups).collect();
         let LayeredPicture { picture, layers, .. } =
             self.handle.picture_with_layers(id, &layers).await.expect("a picture");
         let channels = layers.iter().flat_map(|layer| &layer.channels).flatten();
@@ -240,6 +242,38 @@ async fn visible_picks_have_the_same_bits_from_one_worker_and_from_four() {
         }
         assert!(pictures[0] == pictures[1] && pictures[1] == pictures[2], "{method}");
         assert!(pictures[2] != pictures[3], "{method}: the hidden lamp is picked less often");
+    }
+}
+
+/// Whoever traces a shard traces it for all groups; workers that are killed meanwhile leave nothing of it.
+#[tokio::test(flavor = "multi_thread")]
+async fn light_groups_have_the_same_bits_from_one_worker_and_from_four() {
+    let bulb = "<emitter type='point'><point name='position' value='0.5, 0, 0.5'/>\
+        <string name='light_group' value='bulb'/></emitter></scene>";
+    let scene = SCENE.replace("</scene>", bulb);
+    for (name, parameters) in [("sppm", json!({ "photons_per_pass": 3000 })), ("path", json!({}))] {
+        let mut pictures = Vec::new();
+        for (workers, victims, light_groups) in [(1, 0, true), (4, 3, true), (1, 0, false)] {
+            let farm = Farm::start(Duration::from_millis(600)).await;
+            let scene = farm.handle.add_scene(scene.clone().into()).await.expect("a good scene").hash;
+            let parameters = parameters.as_object().expect("an object").clone();
+            let method = Some(name.to_owned());
+            let request =
+                JobRequest { method, parameters, stop: passes(40), light_groups, ..JobRequest::of_scene(scene) };
+            let id = farm.handle.submit(request).await.expect("a good request");
+            for round in 0..victims {
+                let (_, victim) = farm.worker(&format!("victim{round}"), 1);
+                sleep(Duration::from_millis(60 + 40 * round)).await;
+                victim.abort();
+            }
+            let _workers: Vec<_> = (0..workers).map(|index| farm.worker(&format!("w{index}"), 1)).collect();
+            pictures.push(farm.bits(id).await);
+            let groups = if light_groups { ["bulb", "others"].as_slice() } else { &[] };
+            assert_eq!(farm.end(id).await.light_groups, groups, "{name}");
+        }
+        assert!(pictures[0] == pictures[1], "{name}");
+        // Two groups of three channels more.
+        assert_eq!(pictures[0].len(), pictures[2].len() + 6 * 40 * 30, "{name}");
     }
 }
 

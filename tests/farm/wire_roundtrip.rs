@@ -55,6 +55,7 @@ fn job() -> JobDescription {
         scene: "ab".repeat(32),
         method: Some(method),
         seed: u64::MAX,
+        light_groups: vec!["key".to_owned(), "others".to_owned()],
         width: 64,
         height: 64,
     }

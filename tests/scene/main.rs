@@ -25,6 +25,7 @@ mod big_meshes;
 mod curves;
 mod errors;
 mod import;
+mod light_groups;
 mod mesh_attributes;
 mod method_parameters;
 mod native_form;

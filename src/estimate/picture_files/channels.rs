@@ -39,14 +39,14 @@ impl Channels {
         let color = |index: usize| picture.radiance.iter().map(|pixel| pixel[index]).collect();
         let mut named: Vec<(String, Vec<f32>)> =
             ["R", "G", "B"].iter().enumerate().map(|(index, name)| ((*name).to_owned(), color(index))).collect();
-        for PictureLayer { layer, channels: values } in layers {
-            let row = layer.row();
-            if values.len() != row.channels.len() {
-                let problem =
-                    format!("layer {} has {} channels where {} belong", row.name, values.len(), row.channels.len());
+        for layer in layers {
+            let (names, values) = (layer.channel_names(), &layer.channels);
+            if values.len() != names.len() {
+                let name = layer.layer.row().name;
+                let problem = format!("layer {name} has {} channels where {} belong", values.len(), names.len());
                 return Err(PictureFileError::Encode { problem });
             }
-            named.extend(row.channels.iter().map(|name| (*name).to_owned()).zip(values.iter().cloned()));
+            named.extend(names.into_iter().zip(values.iter().cloned()));
         }
         Ok(Self { width: picture.width, height: picture.height, named })
     }

@@ -22,6 +22,8 @@ pub enum Layer {
     Denoised,
     /// Standard error of that.
     DenoisedError,
+    /// The light of each light group; of jobs that keep them apart.
+    LightGroups,
 }
 
 /// What a layer is called and holds.
@@ -46,6 +48,9 @@ pub struct LayerRow {
 impl LayerRow {
     /// The row of the layer that is called `name` or has a channel of that name.
     pub fn named(name: &str) -> Option<&'static Self> {
+        if name.starts_with(OF_LIGHT_GROUP) {
+            return Some(Layer::LightGroups.row());
+        }
         LAYERS.iter().find(|row| row.name == name || row.channels.contains(&name))
     }
 
@@ -65,8 +70,13 @@ pub(super) const RADIANCE_UNIT: &str = "W/(sr·m²)";
 /// would spread NaN when a picture is blurred or scaled.
 pub const NOTHING_SEEN: f32 = 1e10;
 
+/// How the names of channels of light groups begin, before the group's name.
+pub const OF_LIGHT_GROUP: &str = "light_group.";
+/// What stands for the group's name in the table.
+const GROUP_NAME: &str = "NAME";
+
 /// All layers, in the order of [`Layer`].
-pub const LAYERS: [LayerRow; 9] = [
+pub const LAYERS: [LayerRow; 10] = [
     LayerRow {
         layer: Layer::Radius,
         name: "radius",
@@ -148,6 +158,15 @@ pub const LAYERS: [LayerRow; 9] = [
         nothing: "",
         allows_half: false,
     },
+    LayerRow {
+        layer: Layer::LightGroups,
+        name: "light_groups",
+        channels: &["light_group.NAME.R", "light_group.NAME.G", "light_group.NAME.B"],
+        meaning: "light of each light group, of jobs that keep them apart; their sum is the picture",
+        unit: RADIANCE_UNIT,
+        nothing: "",
+        allows_half: true,
+    },
 ];
 
 /// A layer of a picture.
@@ -157,6 +176,27 @@ pub struct PictureLayer {
     pub layer: Layer,
     /// The values of each of its channels: row-major, top row first, as many as the picture has pixels.
     pub channels: Vec<Vec<f32>>,
+    /// Of [`Layer::LightGroups`] the groups, whose channels follow one after the other; else empty.
+    pub light_groups: Vec<String>,
+}
+
+impl PictureLayer {
+    /// A layer that has the channels of its row.
+    pub fn new(layer: Layer, channels: Vec<Vec<f32>>) -> Self {
+        Self { layer, channels, light_groups: Vec::new() }
+    }
+
+    /// The names of its channels in a file.
+    pub fn channel_names(&self) -> Vec<String> {
+        let of_row = self.layer.row().channels.iter();
+        match self.layer {
+            Layer::LightGroups => {
+                let of_group = |group: &String| of_row.clone().map(|name| name.replace(GROUP_NAME, group)).collect();
+                self.light_groups.iter().flat_map(|group| -> Vec<String> { of_group(group) }).collect()
+            }
+            _ => of_row.map(|name| (*name).to_owned()).collect(),
+        }
+    }
 }
 
 /// A name that no layer has.

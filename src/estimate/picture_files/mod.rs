@@ -26,7 +26,7 @@ pub use exr_file::{
     decode_channels, decode_exr, encode_channels, encode_exr, encode_half_exr, read_channels, read_exr, read_origin,
     read_standard_error,
 };
-pub use layers::{LAYERS, Layer, LayerRow, NOTHING_SEEN, PictureLayer, UnknownLayer};
+pub use layers::{LAYERS, Layer, LayerRow, NOTHING_SEEN, OF_LIGHT_GROUP, PictureLayer, UnknownLayer};
 pub use png_file::{encode_png, encode_png_bytes};
 pub(crate) use tone::srgb_byte;
 pub use tone::{TONES, ToneCurve, ToneRow};

@@ -18,8 +18,8 @@ use crate::farm::locks::lock;
 use crate::farm::method_choice::check_trials;
 use crate::farm::rules::Event;
 use crate::farm::rules::terms::Terms;
-use crate::farm::wire::lease::{ChoiceTerms, JobDescription};
-use crate::method::{self, CheckedMethod, MethodChoice};
+use crate::farm::wire::lease::{ChoiceTerms, JobDescription, declaration};
+use crate::method::{CheckedMethod, MethodChoice};
 
 /// What of a job may change at any time. What is `None` stays.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -166,13 +166,14 @@ impl Shared {
             request::check_finds_light(stop, &resolved.method, scene.traits)?;
             (Some(resolved.method), stop)
         };
-        let memory = pixels * bytes_per_pixel(method.as_ref())?;
+        let light_groups = request::resolve_light_groups(request, &scene.summary.light_groups, method.as_ref())?;
+        let memory = pixels * bytes_per_pixel(method.as_ref(), &light_groups)?;
         let limit = self.options.limits.job_memory;
         if memory > limit {
             return Err(FarmError::TooLarge { what: "the memory in bytes that the job needs", found: memory, limit });
         }
         let (scene, seed) = (request.scene.clone(), request.seed);
-        let description = JobDescription { id: JobId::new(0), scene, method, seed, width, height };
+        let description = JobDescription { id: JobId::new(0), scene, method, seed, light_groups, width, height };
         Ok((description, Terms { stop, priority: request.priority, memory, chooses_method, notices }))
     }
 
@@ -193,7 +194,8 @@ impl Shared {
         let resolved = request::resolve_method(&request, scene.integrator.as_ref(), pixels, scene.traits)?;
         let ResolvedMethod { method, notices } = resolved;
         let stop = request::resolve_stop(request.stop, &method, &self.options.limits)?;
-        let memory = pixels * bytes_per_pixel(Some(&method))?;
+        let light_groups = request::resolve_light_groups(&request, &scene.summary.light_groups, Some(&method))?;
+        let memory = pixels * bytes_per_pixel(Some(&method), &light_groups)?;
         let terms = {
             let mut facts = lock(&job.facts);
             facts.description.method = Some(method);
@@ -217,11 +219,11 @@ fn fingerprint(request: &JobRequest) -> String {
 
 /// Bytes of memory a pixel that a running job needs: its estimate, a copy of it for snapshots, and radius fields of five epochs. As much as any
 /// method needs while none is chosen.
-fn bytes_per_pixel(method: Option<&CheckedMethod>) -> Result<u64, FarmError> {
+fn bytes_per_pixel(method: Option<&CheckedMethod>, light_groups: &[String]) -> Result<u64, FarmError> {
     const FIELDS: u64 = 5 * size_of::<f32>() as u64;
     let declaration = match method {
-        Some(method) => method::declaration(method),
-        None => Arc::new(Declaration::gathering(RadiusRule::Statistics, 1.0)),
+        Some(method) => declaration(method, light_groups),
+        None => Arc::new(Declaration::gathering(RadiusRule::Statistics, 1.0).with_light_groups(light_groups)),
     };
     let (fields, first): (u64, &[f32]) = if declaration.has_radii() { (FIELDS, &[1.0]) } else { (0, &[]) };
     let pixel = Estimate::new(1, 1, &[Region { row_start: 0, row_end: 1 }], declaration, first);

@@ -62,6 +62,11 @@ impl Shared {
         wanted: &[Layer],
     ) -> Result<LayeredPicture, FarmError> {
         let (shared, job) = (self.clone(), self.job(id)?);
+        if wanted.contains(&Layer::LightGroups) && job.description().light_groups.is_empty() {
+            let problem = format!("job {id} keeps no light groups apart");
+            let remedy = "submit one with light_groups (--light-groups)".to_owned();
+            return Err(FarmError::BadRequest { problem, remedy });
+        }
         let needs_surfaces = wanted.iter().any(|layer| layer.needs_first_surfaces());
         let seen = if needs_surfaces { Some(shared.first_surfaces(&job).await?) } else { None };
         let is_denoised = wanted.iter().any(|layer| layer.is_denoised());
@@ -188,6 +193,9 @@ impl Shared {
 
 /// A layer that the estimate holds.
 fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
+    if layer == Layer::LightGroups {
+        return Some(of_light_groups(estimate));
+    }
     let pixels = (0..estimate.pixel_count()).map(|pixel| estimate.pixel(pixel));
     let values = match layer {
         Layer::Radius => pixels.map(|pixel| pixel.radius_squared.sqrt() as f32).collect(),
@@ -195,9 +203,20 @@ fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
         // Nothing is known before each twin has a pass.
         Layer::Error => estimate.standard_error().unwrap_or_else(|| vec![f32::NAN; estimate.pixel_count()]),
         Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position => return None,
-        Layer::Denoised | Layer::DenoisedError => return None,
+        Layer::Denoised | Layer::DenoisedError | Layer::LightGroups => return None,
     };
-    Some(PictureLayer { layer, channels: vec![values] })
+    Some(PictureLayer::new(layer, vec![values]))
+}
+
+/// The light of each light group.
+fn of_light_groups(estimate: &Estimate) -> PictureLayer {
+    let light_groups: Vec<String> = estimate.declaration().light_groups().into_iter().map(str::to_owned).collect();
+    let picture = |group: &String| {
+        let picture = estimate.light_group_picture(group);
+        [0, 1, 2].map(|channel| picture.radiance.iter().map(|pixel| pixel[channel]).collect::<Vec<f32>>())
+    };
+    let channels = light_groups.iter().flat_map(picture).collect();
+    PictureLayer { light_groups, ..PictureLayer::new(Layer::LightGroups, channels) }
 }
 
 /// A layer that follows from the scene.
@@ -210,9 +229,10 @@ fn of_first_surface(layer: Layer, seen: &[FirstSurface]) -> Option<PictureLayer>
         Layer::Normal => axes(|pixel| pixel.normal.to_array()),
         Layer::Depth => vec![seen.iter().map(|pixel| pixel.depth).collect()],
         Layer::Position => axes(|pixel| pixel.position.to_array()),
-        Layer::Radius | Layer::Photons | Layer::Error | Layer::Denoised | Layer::DenoisedError => return None,
+        Layer::Radius | Layer::Photons | Layer::Error => return None,
+        Layer::Denoised | Layer::DenoisedError | Layer::LightGroups => return None,
     };
-    Some(PictureLayer { layer, channels })
+    Some(PictureLayer::new(layer, channels))
 }
 
 /// A layer of the denoised picture.
@@ -222,5 +242,5 @@ fn of_denoised(layer: Layer, denoised: &Denoised) -> Option<PictureLayer> {
         Layer::DenoisedError => vec![denoised.standard_error.clone()],
         _ => return None,
     };
-    Some(PictureLayer { layer, channels })
+    Some(PictureLayer::new(layer, channels))
 }

@@ -149,8 +149,9 @@ fn read(row: &JobRow) -> Result<JobRecord, StoreError> {
         idempotency,
         status,
     } = stored;
-    let (width, height, seed) = (status.width, status.height, status.seed);
-    let description = JobDescription { id: row.id, scene: row.scene.clone(), method, seed, width, height };
+    let JobStatus { width, height, seed, .. } = status;
+    let (scene, light_groups) = (row.scene.clone(), status.light_groups.clone());
+    let description = JobDescription { id: row.id, scene, method, seed, light_groups, width, height };
     let terms = Terms { stop, priority: request.priority, memory, chooses_method, notices };
     let facts = JobFacts {
         request,

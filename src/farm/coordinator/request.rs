@@ -8,6 +8,7 @@ use crate::farm::method_choice::{AUTO, DEFAULT_METHOD, choice, without_passed_ov
 use crate::farm::text::is_hidden;
 use crate::method::{self, CheckedMethod, MethodError, SceneTraits};
 use crate::scene::Integrator;
+use crate::scene::light::groups::OTHERS;
 
 /// A method that was checked, and what the user should know of the choice.
 pub struct ResolvedMethod {
@@ -54,6 +55,24 @@ pub fn resolve_method(
     method::check_media(&method, traits)?;
     notices.extend(method::notices(&method, traits));
     Ok(ResolvedMethod { method, notices })
+}
+
+/// The light groups that a request keeps apart, of those that its scene names; none unless it asks for that.
+///
+/// # Errors
+/// See [`method::check_light_groups`].
+pub fn resolve_light_groups(
+    request: &JobRequest,
+    of_scene: &[String],
+    method: Option<&CheckedMethod>,
+) -> Result<Vec<String>, FarmError> {
+    if !request.light_groups {
+        return Ok(Vec::new());
+    }
+    // Where no light names one, all are others.
+    let groups = if of_scene.is_empty() { vec![OTHERS.to_owned()] } else { of_scene.to_vec() };
+    method::check_light_groups(method, &groups)?;
+    Ok(groups)
 }
 
 /// Checks a stop rule and completes it: without any rule the method's own passes count.

@@ -12,7 +12,7 @@ use crate::farm::rules::check::Digest;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::plan::Plan;
 use crate::farm::rules::{Answer, Event, Outcome};
-use crate::method::{self, MethodChoice};
+use crate::method::MethodChoice;
 use crate::render::Pilot;
 use crate::render::first_surface::FirstSurface;
 
@@ -147,8 +147,7 @@ impl Shared {
             let facts = lock(&job.facts);
             (facts.description.clone(), facts.terms.stop, facts.request.cut)
         };
-        let method = description.method.ok_or("a pilot came before the method was chosen")?;
-        let declaration = method::declaration(&method);
+        let declaration = description.declaration().ok_or("a pilot came before the method was chosen")?;
         let (width, height) = (description.width, description.height);
         let plan = Plan::new(width, height, pilot.cost_per_pass(), stop.passes, declaration.radius_rule).with_cut(cut);
         let merging =

@@ -27,6 +27,9 @@ pub struct SceneSummary {
     /// The method that its integrator asks for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub integrator: Option<String>,
+    /// The light groups of its lights; empty where no light names one.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub light_groups: Vec<String>,
     /// Things the user should know, one sentence each.
     pub notices: Vec<String>,
 }

@@ -21,6 +21,7 @@ use crate::farm::store::{BlobName, StoreError, Upload};
 use crate::farm::wire::lease::JobDescription;
 use crate::method::{self, CheckedMethod, SceneTraits};
 use crate::scene::Scene;
+use crate::scene::light::groups::OTHERS;
 
 impl Shared {
     pub(super) fn scene(&self, hash: &str) -> Result<Arc<SceneRecord>, FarmError> {
@@ -149,6 +150,7 @@ impl Shared {
             bytes: uploaded.bytes,
             owner,
             integrator: scene.integrator.as_ref().map(|integrator| integrator.name.clone()),
+            light_groups: light_groups_of(&scene),
             notices: scene.notices.clone(),
         };
         let (integrator, traits) = (scene.integrator.clone(), SceneTraits::of(&scene));
@@ -250,6 +252,12 @@ impl Shared {
         }
         Ok(())
     }
+}
+
+/// The light groups that lights of a scene name, and where there are any also that of the other lights.
+fn light_groups_of(scene: &Scene) -> Vec<String> {
+    let names = scene.lights.groups().names();
+    if names == [OTHERS] { Vec::new() } else { names.to_vec() }
 }
 
 /// The place of one scene that is taken in.

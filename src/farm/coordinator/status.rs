@@ -129,6 +129,7 @@ impl JobFacts {
             stop: terms.stop,
             cut: request.cut,
             seed: description.seed,
+            light_groups: description.light_groups.clone(),
             width: description.width,
             height: description.height,
             passes_done: 0,

@@ -17,7 +17,7 @@ use crate::farm::wire::lease::JobDescription;
 use crate::farm::wire::messages::result_request::Outcome as Sent;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
 use crate::farm::wire::{WireError, first_surfaces, result};
-use crate::method::{self, MOST_GUIDE_VALUES, MethodChoice};
+use crate::method::{MOST_GUIDE_VALUES, MethodChoice};
 
 /// Whether the worker that delivers has the lease, so that its result is worth the memory that it takes.
 pub(super) fn is_awaited(shared: &Shared, delivery: Delivery) -> bool {
@@ -116,8 +116,7 @@ fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Sent>) -> Result<Payl
 
 /// What the tallies of a job hold.
 fn declaration(job: &JobDescription) -> Result<Arc<Declaration>, WireError> {
-    let method = job.method.as_ref().ok_or(WireError::Missing("method"))?;
-    Ok(method::declaration(method))
+    job.declaration().ok_or(WireError::Missing("method"))
 }
 
 /// All bits of a tally. Equal builds compress alike, so the message says as much as the numbers.

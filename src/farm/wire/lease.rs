@@ -1,13 +1,15 @@
 //! Leases: what to trace, and all that must be known to trace it.
 
+use std::sync::Arc;
+
 use super::WireError;
 use super::messages;
-use crate::estimate::{Region, Shard};
+use crate::estimate::{Declaration, Region, Shard};
 use crate::farm::ids::{BadJobId, Fencing, JobId, LeaseId};
 #[cfg(doc)]
 use crate::farm::rules::lease::Work;
 use crate::farm::rules::plan::PlannedShard;
-use crate::method::CheckedMethod;
+use crate::method::{self, CheckedMethod};
 
 /// What a worker must know of a job.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,10 +22,25 @@ pub struct JobDescription {
     pub method: Option<CheckedMethod>,
     /// Its seed.
     pub seed: u64,
+    /// The light groups that it keeps apart; empty where it keeps none.
+    pub light_groups: Vec<String>,
     /// Picture width, pixels.
     pub width: u32,
     /// Picture height, pixels.
     pub height: u32,
+}
+
+impl JobDescription {
+    /// What its tallies hold; `None` before its method was chosen.
+    pub fn declaration(&self) -> Option<Arc<Declaration>> {
+        self.method.as_ref().map(|method| declaration(method, &self.light_groups))
+    }
+}
+
+/// What tallies of a method hold where these light groups are kept apart.
+pub fn declaration(method: &CheckedMethod, light_groups: &[String]) -> Arc<Declaration> {
+    let plain = method::declaration(method);
+    if light_groups.is_empty() { plain } else { Arc::new(Declaration::clone(&plain).with_light_groups(light_groups)) }
 }
 
 /// What trials of methods aim at.
@@ -78,6 +95,7 @@ pub fn encode_job(job: &JobDescription) -> messages::Job {
         scene: job.scene.clone(),
         method: method.unwrap_or_default(),
         seed: job.seed,
+        light_groups: job.light_groups.clone(),
         width: job.width,
         height: job.height,
     }
@@ -145,7 +163,8 @@ fn decode_job(message: messages::Job) -> Result<JobDescription, WireError> {
     if width == 0 || height == 0 {
         return Err(impossible("picture size", format!("{width} × {height}")));
     }
-    Ok(JobDescription { id, scene: message.scene, method, seed: message.seed, width, height })
+    let messages::Job { scene, seed, light_groups, .. } = message;
+    Ok(JobDescription { id, scene, method, seed, light_groups, width, height })
 }
 
 fn decode_shard(message: &messages::ShardWork, job: &JobDescription) -> Result<ShardTerms, WireError> {

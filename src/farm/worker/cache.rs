@@ -102,9 +102,20 @@ impl Cache {
         let scene = self.scene(client, pool, &job.scene).await?;
         let method =
             job.method.clone().ok_or_else(|| PrepareError::Unusable("the job has no method yet".to_owned()))?;
-        let seed = job.seed;
-        let made = pool.run(move || Renderer::new(scene, &method, seed).map_err(|problem| problem.to_string())).await;
+        let (seed, keeps_groups) = (job.seed, !job.light_groups.is_empty());
+        let prepare = move || {
+            let renderer = Renderer::new(scene, &method, seed).map_err(|problem| problem.to_string())?;
+            if keeps_groups {
+                renderer.with_light_groups().map_err(|problem| problem.to_string())
+            } else {
+                Ok(renderer)
+            }
+        };
+        let made = pool.run(prepare).await;
         let renderer = Arc::new(made.and_then(|made| made).map_err(PrepareError::Unusable)?);
+        if job.declaration().as_ref() != Some(renderer.declaration()) {
+            return Err(PrepareError::Unusable("the job's light groups are not those of its scene".to_owned()));
+        }
         lock(&self.renderers).insert(job.id, renderer.clone());
         Ok(renderer)
     }
@@ -164,8 +175,7 @@ impl Cache {
         terms: &ShardTerms,
     ) -> Result<Arc<RadiusField>, PrepareError> {
         let unusable = |problem: String| PrepareError::Unusable(problem);
-        let method = job.method.as_ref().ok_or_else(|| unusable("the job has no method yet".to_owned()))?;
-        let declaration = crate::method::declaration(method);
+        let declaration = job.declaration().ok_or_else(|| unusable("the job has no method yet".to_owned()))?;
         if !declaration.has_radii() {
             return Ok(Arc::new(RadiusField::none()));
         }

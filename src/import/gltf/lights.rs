@@ -4,6 +4,8 @@
 //! candela per m² for emissive materials. photonfarm takes W·sr⁻¹, W·m⁻² and W·sr⁻¹·m⁻². The numbers are taken over as
 //! they are, for lights and materials alike, so that their ratios hold; a picture's values are then candela per m². To
 //! get watts of green light, divide by 683 lm/W, the luminous efficacy that defines the candela.
+//!
+//! glTF knows no light groups: `light_group` in the `extras` of a light, of its node or of an emissive material names one.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -64,7 +66,16 @@ pub(super) fn read(
         let explanation = "light falls off with the square of the distance only";
         output.notices.add(Notice::ignored(&light.location(), "the range of a light", explanation));
     }
-    Ok(Some(emitter))
+    let named_by = [light_group(light)?, light_group(node)?];
+    Ok(Some(emitter.in_light_group(named_by.into_iter().flatten().next())))
+}
+
+/// The light group that the `extras` of a light, a node or a material name. Extras may hold anything, also what is no object.
+///
+/// # Errors
+/// When the name is no string.
+pub(super) fn light_group<'a>(entry: &Entry<'a>) -> Result<Option<&'a str>, SceneError> {
+    entry.get("extras").map_or(Ok(None), |extras| extras.text("light_group"))
 }
 
 /// Whether an emitter emits nothing: its color or its image is black. An image that cannot be read is not, so that preparing

@@ -369,6 +369,7 @@ fn light<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Op
     let texture = textures.read(material, "emissiveTexture", Meaning::Color)?;
     let emitter = Draft::new(PluginClass::Emitter, "area", &material.location());
     let emitter = if material.flag("doubleSided")? { emitter.with_flag("two_sided", true) } else { emitter };
+    let emitter = emitter.in_light_group(super::lights::light_group(material)?);
     Ok(Some(Slot::product(texture, Value::Rgb(radiance)).put(emitter, "radiance")))
 }
 

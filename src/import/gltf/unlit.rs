@@ -2,6 +2,7 @@
 
 use super::super::draft::Draft;
 use super::entry::Entry;
+use super::lights::light_group;
 use super::material::Base;
 use super::texture::{Slot, Textures};
 use crate::scene::description::{PluginClass, Value};
@@ -30,6 +31,7 @@ pub(super) fn read<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) ->
     }
     let emitter = Draft::new(PluginClass::Emitter, "area", &material.location()).with_flag("seen_only", true);
     let emitter = if material.flag("doubleSided")? { emitter.with_flag("two_sided", true) } else { emitter };
+    let emitter = emitter.in_light_group(light_group(material)?);
     let emitter = Slot::product(color_texture, Value::Rgb(color)).put(emitter, "radiance");
     let black = Draft::new(PluginClass::Bsdf, "diffuse", &material.location()).with_rgb("reflectance", [0.0; 3]);
     Ok((black, emitter))

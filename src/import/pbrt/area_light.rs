@@ -20,6 +20,8 @@ pub(super) struct AreaSource {
     radiance: ColorOrTexture,
     two_sided: bool,
     power: Option<Power>,
+    /// pbrt has no such parameter.
+    light_group: Option<String>,
 }
 
 /// The flux of every shape that the light is on.
@@ -41,7 +43,8 @@ impl AreaSource {
     pub(super) fn of_image(radiance: ColorOrTexture, mean: f64, parameters: &Parameters) -> Result<Self, SceneError> {
         let flux = parameters.float("power")?.filter(|power| *power > 0.0);
         let power = flux.map(|flux| Power { flux, mean });
-        Ok(Self { radiance, two_sided: parameters.flag("twosided")?.unwrap_or(false), power })
+        let light_group = parameters.text("light_group")?.map(str::to_owned);
+        Ok(Self { radiance, two_sided: parameters.flag("twosided")?.unwrap_or(false), power, light_group })
     }
 
     /// Whether texture coordinates matter.
@@ -75,7 +78,8 @@ impl AreaSource {
             }
         };
         let light = radiance.put(Draft::new(PluginClass::Emitter, "area", &parameters.place), "radiance");
-        Ok(if self.two_sided { light.with_flag("two_sided", true) } else { light })
+        let light = if self.two_sided { light.with_flag("two_sided", true) } else { light };
+        Ok(light.in_light_group(self.light_group.as_deref()))
     }
 }
 

@@ -63,6 +63,8 @@ pub(super) fn other(
             return Err(SceneError::new(&parameters.place, problem, nearest_name(kind, &known)));
         }
     };
+    // pbrt has no such parameter.
+    let draft = draft.in_light_group(parameters.text("light_group")?);
     output.report_unused(&format!("light {}", shown(kind)), parameters)?;
     output.add(draft)
 }

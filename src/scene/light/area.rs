@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | `radiance` | emitted radiance, also a texture | W·sr⁻¹·m⁻² | 1 |
 //! | `two_sided` | whether the inside emits, too (boolean) | – | false |
+//! | `light_group` | the [light group](super::groups) that it belongs to | – | `others` |
 //! | `seen_only` | whether it lights nothing: the camera sees it, straight or by mirrors and glass, and nothing else does (boolean) | – | false |
 //!
 //! Of a textured light, triangles are picked by the power that a few points of each suggest, and points uniformly in them:
@@ -11,6 +12,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use super::groups::{self, GroupName};
 use super::importance::{Aim, Lamp, LightImportance};
 use super::{DirectSample, EmittedPhoton, Origin, SeenPoint};
 use crate::math::color::luminance;
@@ -33,6 +35,8 @@ pub struct Emission {
     pub seen_only: bool,
     /// Whether it emits along the normal alone, as [`DirectionalArea`](super::DirectionalArea).
     pub along_normal: bool,
+    /// The light group that it names.
+    pub group: Option<GroupName>,
 }
 
 impl Emission {
@@ -69,13 +73,14 @@ const ROUNDING: f32 = 1e-4;
 pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
     let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
     let mut flag = |name: &'static str| fields.boolean(name).map(|flag| flag.unwrap_or(false));
-    Ok(Emission { radiance, two_sided: flag("two_sided")?, seen_only: flag("seen_only")?, along_normal: false })
+    let (two_sided, seen_only) = (flag("two_sided")?, flag("seen_only")?);
+    Ok(Emission { radiance, two_sided, seen_only, along_normal: false, group: groups::read(fields)? })
 }
 
 /// Reads the parameters of `directionalarea`.
 pub fn read_along_normal(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
     let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
-    Ok(Emission { radiance, two_sided: false, seen_only: false, along_normal: true })
+    Ok(Emission { radiance, two_sided: false, seen_only: false, along_normal: true, group: groups::read(fields)? })
 }
 
 /// The mean radiance of a primitive at the points of a lattice [R₂ sequence, Roberts 2018].

@@ -177,6 +177,10 @@ impl EmissionGuide {
         if !(total > 0.0 && total.is_finite()) {
             return Err(GuideError::Nowhere);
         }
+        // Lights of another group leave their share to the others.
+        let is_lit = |cell: &GuideCell| !lights.lights()[cell.light as usize].is_dark();
+        let lit: f64 = cells.iter().zip(weights).filter(|(cell, _)| is_lit(cell)).map(|(_, weight)| weight).sum();
+        let by_weight = |weight: f64| if lit > 0.0 { (1.0 - BY_POWER) * weight / lit } else { 0.0 };
         let by_power = |cell: &GuideCell| f64::from(lights.emission_pick(cell.light)) * f64::from(cell.volume());
         let shares: Vec<f64> = cells
             .iter()
@@ -184,7 +188,7 @@ impl EmissionGuide {
             .map(|(cell, weight)| match by_power(cell) {
                 // Such a light emits nothing, whatever its weight.
                 0.0 => 0.0,
-                by_power => BY_POWER * by_power + (1.0 - BY_POWER) * weight / total,
+                by_power => BY_POWER * by_power + by_weight(*weight),
             })
             .collect();
         let ends = whole_picks(&shares);

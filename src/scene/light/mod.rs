@@ -5,10 +5,12 @@
 
 pub mod area;
 pub mod constant;
+mod dark;
 pub mod directional;
 pub mod directional_area;
 pub mod emission_guide;
 pub mod environment_map;
+pub mod groups;
 pub mod ies;
 pub mod importance;
 pub mod importance_sampler;
@@ -30,9 +32,11 @@ use crate::scene::geometry::{Geometry, Interaction};
 
 pub use area::AreaLight;
 pub use constant::Constant;
+pub use dark::Dark;
 pub use directional::Directional;
 pub use directional_area::DirectionalArea;
 pub use environment_map::EnvironmentMap;
+pub use groups::{GroupName, LightGroups};
 pub use ies::Ies;
 pub use importance::{LightImportance, Place};
 pub use point::Point;
@@ -166,7 +170,7 @@ macro_rules! lights {
     };
 }
 
-lights!(AreaLight, DirectionalArea, Point, Spot, Ies, Projector, Directional, Constant, EnvironmentMap, SunSky);
+lights!(AreaLight, DirectionalArea, Point, Spot, Ies, Projector, Directional, Constant, EnvironmentMap, SunSky, Dark);
 
 /// The mean flux of photons from outside over an even set of random numbers (Hammersley's): ∫ L·silhouette dω.
 fn mean_flux(surroundings: &Surroundings, sample: impl Fn([f32; 2]) -> Option<DirectSample>) -> Rgb {
@@ -229,6 +233,11 @@ impl Light {
             Self::SunSky(light) => light.emission_ratio(direction),
             _ => 0.0,
         }
+    }
+
+    /// Whether it stands for a light of another group.
+    pub fn is_dark(&self) -> bool {
+        matches!(self, Self::Dark(_))
     }
 
     /// Whether directions can hit it by chance.

@@ -1,6 +1,9 @@
 //! Emitter plugins that stand alone; `area` belongs to a shape.
 
-use super::{Constant, Directional, EnvironmentMap, Ies, Light, Point, Projector, Spot, SunSky, Surroundings, sun_sky};
+use super::{
+    Constant, Directional, EnvironmentMap, GroupName, Ies, Light, Point, Projector, Spot, SunSky, Surroundings, groups,
+    sun_sky,
+};
 use crate::scene::bundle::Bundle;
 use crate::scene::camera;
 use crate::scene::description::Node;
@@ -40,7 +43,7 @@ const EMITTERS: &[(&str, ReadEmitter)] = &[
     }),
 ];
 
-/// Reads an emitter node, for pictures by a sensor.
+/// Reads an emitter node, for pictures by a sensor, and the light group that it names.
 ///
 /// # Errors
 /// Unknown plugins and parameters, and parameters out of range, with their place.
@@ -50,7 +53,7 @@ pub fn read(
     textures: &mut TextureReader<'_>,
     bundle: &Bundle,
     sensor: &Node,
-) -> Result<Light, SceneError> {
+) -> Result<(Light, Option<GroupName>), SceneError> {
     let Some((_, read)) = EMITTERS.iter().find(|(name, _)| *name == node.plugin) else {
         let known: Vec<&str> = EMITTERS.iter().map(|(name, _)| *name).collect();
         return Err(unknown_plugin(node, &known));
@@ -58,8 +61,9 @@ pub fn read(
     let mut source = Source { fields: Fields::new(node), surroundings, textures, bundle, sensor };
     let light = read(&mut source)?;
     check_sampling_weight(&mut source.fields)?;
+    let group = groups::read(&mut source.fields)?;
     source.fields.finish()?;
-    Ok(light)
+    Ok((light, group))
 }
 
 /// Reads `sampling_weight`, which says how often Mitsuba samples an emitter. Lights are picked by their importance here, so that it

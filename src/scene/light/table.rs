@@ -1,9 +1,12 @@
 //! All lights of a scene: photons pick them by power, surfaces mostly by what may arrive.
 
+mod variants;
+
 use std::sync::Arc;
 
 use super::area::Emission;
 use super::emission_guide::{EmissionGuide, EmissionPoint};
+use super::groups::LightGroups;
 use super::importance::{BY_POWER, LightImportance, Place};
 use super::importance_sampler::ImportanceSampler;
 use super::visibility::{LightVisibility, VisibilityCell};
@@ -21,6 +24,8 @@ pub struct LightTable {
     lights: Arc<[Light]>,
     /// What the user calls them, by index; empty where they have no names.
     names: Arc<[String]>,
+    /// Which of them belong together.
+    groups: Arc<LightGroups>,
     /// What is seen and lights nothing; shapes hold [`SEEN_ONLY`] plus an index.
     seen_only: Vec<Emission>,
     by_power: Discrete,
@@ -67,6 +72,16 @@ const NEAREST: f32 = 1e-4;
 /// Lights with less than this part of the largest share in a cell are left to picks by power.
 const LEAST_SEEN: f32 = 0.01;
 
+/// Tree indices of all emitting primitives, if they are few.
+fn few_emitters(lights: &[Light]) -> Option<Vec<u32>> {
+    let primitives = lights.iter().filter_map(|light| match light {
+        Light::AreaLight(area) => Some(area.primitives()),
+        _ => None,
+    });
+    let emitters: Vec<u32> = primitives.flatten().copied().collect();
+    (emitters.len() <= FEW).then_some(emitters)
+}
+
 impl LightTable {
     /// A table of the lights in `geometry`; `None` when no light emits anything.
     pub fn new(lights: Vec<Light>, geometry: &Geometry) -> Option<Self> {
@@ -77,19 +92,11 @@ impl LightTable {
         let by_place = ImportanceSampler::new(&importances, nearest);
         let environment = lights.iter().position(Light::is_environment);
         let has_extent = lights.iter().any(Light::has_extent);
-        let emitters: Vec<u32> = lights
-            .iter()
-            .filter_map(|light| match light {
-                Light::AreaLight(area) => Some(area.primitives()),
-                _ => None,
-            })
-            .flatten()
-            .copied()
-            .collect();
-        let few_emitters = (emitters.len() <= FEW).then_some(emitters);
+        let few_emitters = few_emitters(&lights);
         Some(Self {
             lights: lights.into(),
             names: Arc::default(),
+            groups: Arc::default(),
             seen_only: Vec::new(),
             by_emission: by_power.clone(),
             by_power,
@@ -103,31 +110,6 @@ impl LightTable {
         })
     }
 
-    /// The same table with what the user calls the lights, by index.
-    #[must_use]
-    pub fn with_names(self, names: Vec<String>) -> Self {
-        Self { names: names.into(), ..self }
-    }
-
-    /// The same table with what is seen and lights nothing.
-    #[must_use]
-    pub fn with_seen_only(self, seen_only: Vec<Emission>) -> Self {
-        Self { seen_only, ..self }
-    }
-
-    /// The same table with picks that know which lights are seen where.
-    #[must_use]
-    pub fn with_visibility(&self, visibility: LightVisibility) -> Self {
-        Self { visibility: Some(visibility), ..self.clone() }
-    }
-
-    /// The same table with photons and light subpaths that come from lights with these probabilities, by index; `None` when they are none.
-    #[must_use]
-    pub fn with_emission_picks(&self, probabilities: &[f64]) -> Option<Self> {
-        let by_emission = Discrete::new(probabilities).filter(|_| probabilities.len() == self.lights.len())?;
-        Some(Self { by_emission, ..self.clone() })
-    }
-
     /// What picks know of occlusion.
     pub fn visibility(&self) -> Option<&LightVisibility> {
         self.visibility.as_ref()
@@ -135,8 +117,10 @@ impl LightTable {
 
     /// A cell with these shares of the lights by index; `None` when none of them emits anything.
     pub(super) fn visibility_cell(&self, shares: &[f32]) -> Option<VisibilityCell> {
-        let least = LEAST_SEEN * shares.iter().copied().fold(0.0, f32::max);
-        let kept = |light: usize| if shares[light] < least { 0.0 } else { shares[light] };
+        // Lights of another group are neither picked nor compared with.
+        let share = |light: usize| if self.lights[light].is_dark() { 0.0 } else { shares[light] };
+        let least = LEAST_SEEN * (0..shares.len()).map(share).fold(0.0, f32::max);
+        let kept = |light: usize| if share(light) < least { 0.0 } else { share(light) };
         let powers = (0..shares.len()).map(|light| f64::from(kept(light) * self.by_power.probability(light)));
         let by_power = Discrete::new(&powers.collect::<Vec<f64>>())?;
         Some(VisibilityCell { by_place: ImportanceSampler::of_shares(&self.importances, self.nearest, kept), by_power })

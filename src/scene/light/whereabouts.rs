@@ -64,5 +64,6 @@ fn kind(light: &Light) -> &'static str {
         Light::Constant(_) => "constant",
         Light::EnvironmentMap(_) => "envmap",
         Light::SunSky(_) => "sunsky",
+        Light::Dark(_) => "dark",
     }
 }

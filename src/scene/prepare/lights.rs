@@ -8,7 +8,7 @@ use crate::scene::error::{Location, SceneError};
 use crate::scene::fields::Fields;
 use crate::scene::geometry::Geometry;
 use crate::scene::light::area::{self, Emission};
-use crate::scene::light::{self, AreaLight, DirectionalArea, Light, LightTable, Surroundings};
+use crate::scene::light::{self, AreaLight, DirectionalArea, GroupName, Light, LightGroups, LightTable, Surroundings};
 use crate::scene::texture::TextureReader;
 
 pub(super) fn read_area_light(node: &Node, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
@@ -44,12 +44,15 @@ pub(super) struct AreaLightShape {
 pub(super) struct PlacedLights {
     lights: Vec<Light>,
     names: Vec<String>,
+    /// The groups that they name.
+    groups: Vec<Option<GroupName>>,
 }
 
 impl PlacedLights {
-    fn push(&mut self, light: Light, name: String) {
+    fn push(&mut self, light: Light, name: String, group: Option<GroupName>) {
         self.lights.push(light);
         self.names.push(name);
+        self.groups.push(group);
     }
 }
 
@@ -61,21 +64,21 @@ pub(super) fn place_area_lights(
     placed: &mut PlacedLights,
 ) {
     for AreaLightShape { shape, emission, name } in area_lights {
-        let primitives = members[shape].clone();
+        let (primitives, group) = (members[shape].clone(), emission.group.clone());
         if emission.along_normal {
             if let Some(light) = DirectionalArea::new(emission, primitives, geometry) {
-                placed.push(Light::DirectionalArea(light), name);
+                placed.push(Light::DirectionalArea(light), name, group);
             }
         } else if let Some(light) = AreaLight::new(emission, primitives, geometry) {
             geometry.set_light(shape, placed.lights.len() as u32);
-            placed.push(Light::AreaLight(light), name);
+            placed.push(Light::AreaLight(light), name, group);
         }
     }
 }
 
 pub(super) fn light_table(
     geometry: &Geometry,
-    mut placed: PlacedLights,
+    (mut placed, seen_only): (PlacedLights, Vec<Emission>),
     emitters: &[&Arc<Node>],
     sensor: &Node,
     textures: &mut TextureReader<'_>,
@@ -87,7 +90,7 @@ pub(super) fn light_table(
     }
     let mut night = None;
     for node in emitters {
-        let light = light::read(node, surroundings, textures, &description.bundle, sensor)?;
+        let (light, group) = light::read(node, surroundings, textures, &description.bundle, sensor)?;
         if light.is_environment() && placed.lights.iter().any(Light::is_environment) {
             return Err(SceneError::new(&node.location, "the scene has two environments", "remove one of them"));
         }
@@ -95,10 +98,13 @@ pub(super) fn light_table(
             return Err(too_bright(&node.location, &node.plugin));
         }
         night = night.or_else(|| night_of(node, &light));
-        placed.push(light, node.id.clone());
+        placed.push(light, node.id.clone(), group);
     }
-    let PlacedLights { lights, names } = placed;
-    LightTable::new(lights, geometry).map(|table| table.with_names(names)).ok_or_else(|| {
+    let PlacedLights { lights, names, groups } = placed;
+    let seen_groups: Vec<Option<&GroupName>> = seen_only.iter().map(|emission| emission.group.as_ref()).collect();
+    let groups = LightGroups::new(&groups, &seen_groups)?;
+    let known = |table: LightTable| table.with_names(names).with_seen_only(seen_only).with_groups(groups);
+    LightTable::new(lights, geometry).map(known).ok_or_else(|| {
         night.unwrap_or_else(|| {
             SceneError::new(
                 &description.root.location,

@@ -30,7 +30,10 @@ fn picture() -> Picture {
 
 fn all_layers() -> Vec<PictureLayer> {
     let channel = |first: usize| (0..PIXELS).map(|pixel| value((pixel + first) % PIXELS)).collect();
-    let layer = |layer: Layer, channels: usize| PictureLayer { layer, channels: (0..channels).map(channel).collect() };
+    let layer = |layer: Layer, channels: usize| {
+        let light_groups = if layer == Layer::LightGroups { vec!["NAME".to_owned()] } else { Vec::new() };
+        PictureLayer { light_groups, ..PictureLayer::new(layer, (0..channels).map(channel).collect()) }
+    };
     LAYERS.iter().map(|row| layer(row.layer, row.channels.len())).collect()
 }
 
@@ -56,7 +59,7 @@ fn colors_and_directions_are_rounded_and_all_else_keeps_its_bits() {
     let (types, expected) = (types(&half), exr_channels(&exact));
     for (name, values) in exr_channels(&half) {
         let is_color = ["R", "G", "B"].contains(&name.as_str());
-        if is_color || ["albedo.", "normal.", "denoised."].iter().any(|layer| name.starts_with(layer)) {
+        if is_color || ["albedo.", "normal.", "denoised.", "light_group."].iter().any(|layer| name.starts_with(layer)) {
             assert_eq!(types[&name], SampleType::F16, "{name}");
             values.iter().zip(&expected[&name]).for_each(|(found, exact)| assert_half(*found, *exact));
             assert!(values != expected[&name], "{name} is not rounded");

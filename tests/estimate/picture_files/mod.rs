@@ -39,7 +39,11 @@ fn metadata() -> PictureMetadata {
 #[test]
 fn exr_keeps_every_bit_and_the_layers() {
     let values = |row: &LayerRow| (0..row.channels.len()).map(|channel| vec![channel as f32 + 0.5; 37 * 23]).collect();
-    let layers = LAYERS.map(|row| PictureLayer { layer: row.layer, channels: values(&row) });
+    let layer = |row: LayerRow| {
+        let light_groups = if row.layer == Layer::LightGroups { vec!["NAME".to_owned()] } else { Vec::new() };
+        PictureLayer { layer: row.layer, channels: values(&row), light_groups }
+    };
+    let layers = LAYERS.map(layer);
     let bytes = encode_exr(&picture(), &layers, &metadata()).expect("encodes");
     assert_eq!(decode_exr(&bytes).expect("decodes"), picture());
     let found = exr_channels(&bytes);
@@ -63,9 +67,9 @@ fn layers_are_found_by_name() {
 #[test]
 fn channels_are_read_by_the_names_of_layers() {
     let layers = [
-        PictureLayer { layer: Layer::Depth, channels: vec![[vec![2.0; 850], vec![NOTHING_SEEN]].concat()] },
-        PictureLayer { layer: Layer::Albedo, channels: vec![vec![1.0; 851], vec![0.5; 851], vec![0.25; 851]] },
-        PictureLayer { layer: Layer::Normal, channels: vec![vec![0.0; 851], vec![-1.0; 851], vec![1.0; 851]] },
+        PictureLayer::new(Layer::Depth, vec![[vec![2.0; 850], vec![NOTHING_SEEN]].concat()]),
+        PictureLayer::new(Layer::Albedo, vec![vec![1.0; 851], vec![0.5; 851], vec![0.25; 851]]),
+        PictureLayer::new(Layer::Normal, vec![vec![0.0; 851], vec![-1.0; 851], vec![1.0; 851]]),
     ];
     let bytes = encode_exr(&picture(), &layers, &metadata()).expect("encodes");
     let channels = decode_channels(&bytes).expect("decodes");
@@ -88,13 +92,34 @@ fn channels_are_read_by_the_names_of_layers() {
     assert_eq!(noise.layer("luminance").expect("grey").values.len(), 128 * 128);
 }
 
+/// Groups have channels of their own, in the order in which they are given.
+#[test]
+fn light_groups_are_layers_of_their_own() {
+    let light_groups = vec!["key".to_owned(), "others".to_owned()];
+    let channels: Vec<Vec<f32>> = (0..6).map(|channel| vec![channel as f32; 851]).collect();
+    let layer = PictureLayer { layer: Layer::LightGroups, channels, light_groups };
+    let bytes = encode_exr(&picture(), &[layer], &metadata()).expect("encodes");
+    let channels = decode_channels(&bytes).expect("decodes");
+    assert_eq!(channels.layer_names(), ["luminance", "light_group.key", "light_group.others"]);
+    let found = exr_channels(&bytes);
+    for (index, name) in ["key.R", "key.G", "key.B", "others.R", "others.G", "others.B"].iter().enumerate() {
+        assert_eq!(found[&format!("light_group.{name}")], vec![index as f32; 851], "{name}");
+    }
+    let key = channels.layer("light_group.key").expect("the layer");
+    assert!((key.values[7] - (0.7152 + 2.0 * 0.0722)).abs() < 1e-5 && key.unit == "W/(sr·m²)", "{}", key.values[7]);
+    let wrong =
+        PictureLayer { light_groups: vec!["key".to_owned()], ..PictureLayer::new(Layer::LightGroups, Vec::new()) };
+    let error = encode_exr(&picture(), &[wrong], &metadata()).expect_err("no channel for three").to_string();
+    assert!(error.contains("light_groups has 0 channels where 3 belong"), "{error}");
+}
+
 /// A picture whose layer `error` is known brings its own noise; a look at a job that has just begun does not.
 #[test]
 fn pictures_bring_their_standard_error() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("picture.exr");
     let found = |errors: Option<Vec<f32>>| {
-        let layers = errors.map(|errors| PictureLayer { layer: Layer::Error, channels: vec![errors] });
+        let layers = errors.map(|errors| PictureLayer::new(Layer::Error, vec![errors]));
         let bytes = encode_exr(&picture(), layers.as_slice(), &metadata()).expect("encodes");
         write_file(&path, &bytes).expect("writes");
         read_standard_error(&path).expect("reads")
@@ -127,7 +152,7 @@ fn exr_bytes_are_the_same_every_time() {
 
 #[test]
 fn exr_with_a_wrong_layer_or_no_pixels_is_refused() {
-    let layer = |layer, channels| [PictureLayer { layer, channels }];
+    let layer = |layer, channels| [PictureLayer::new(layer, channels)];
     let error = encode_exr(&picture(), &layer(Layer::Radius, vec![vec![0.5; 3]]), &metadata());
     let error = error.expect_err("three radii for 851 pixels");
     assert!(error.to_string().contains("radius.Y"), "{error}");

@@ -31,6 +31,7 @@ function general(job) {
     ['size', `${job.width} × ${job.height}`],
     ['scene', job.scene.slice(0, 16)],
     ['seed', job.seed],
+    ['light groups', job.light_groups?.join(', ')],
     ['stop', stopText(job.stop)],
     ['photons', job.photons_emitted && job.photons_emitted.toLocaleString('en')],
     ['speed', speed(job)],

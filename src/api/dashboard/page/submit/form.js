@@ -3,6 +3,7 @@
 import { ask, post } from '../connection/api.js';
 import { element, field, make, setHidden } from '../elements/dom.js';
 import { factsTable, noticeList } from '../elements/lists.js';
+import { count } from '../elements/numbers.js';
 import { problemNote } from '../elements/problem_note.js';
 import { methodFields } from './method_fields.js';
 import { readStop, stopFields } from './stop_fields.js';
@@ -20,7 +21,7 @@ export async function showForm(scene, fileName, done) {
   const check = make('button', { type: 'button', id: 'check' }, 'Check');
   const submit = make('button', { className: 'primary', id: 'submit' }, 'Submit');
   const buttons = make('p', { className: 'buttons' }, check, submit);
-  form.replaceChildren(labelFields(fileName), method.fields, stop, sceneFields(scene), answer, buttons);
+  form.replaceChildren(labelFields(fileName), method.fields, stop, sceneFields(scene), ...lightGroupsField(scene), answer, buttons);
   const request = () => readForm(scene, method, stop);
   check.onclick = () => form.reportValidity() && run(answer, check, async () => checked(await post('/v1/jobs/validate', request())));
   form.onsubmit = event => {
@@ -61,6 +62,14 @@ function sceneFields(scene) {
   return make('fieldset', {}, make('legend', {}, 'What is changed of the scene'), make('div', { className: 'columns' }, fields));
 }
 
+// Where lights of the scene name groups, a job may keep them apart.
+function lightGroupsField({ light_groups: groups }) {
+  if (!groups?.length) return [];
+  const box = make('input', { name: 'light_groups', type: 'checkbox' });
+  const cost = `${groups.join(', ')}: each becomes a layer, and a pass costs as much as ${count(groups.length, 'pass')}.`;
+  return [make('p', { className: 'field' }, make('label', {}, box, ' Keep light groups apart'), make('small', {}, cost))];
+}
+
 // The job as the fields say; what is empty is left out.
 function readForm(scene, method, stop) {
   const value = name => form.elements[name].value.trim() || undefined;
@@ -76,6 +85,7 @@ function readForm(scene, method, stop) {
     tags: readTags(value('tags') ?? ''),
     priority: numberOf('priority'),
     seed: numberOf('seed'),
+    light_groups: form.elements.light_groups?.checked || undefined,
     scene_changes: isChanged ? changes : undefined,
   };
 }

@@ -7,6 +7,7 @@ import { problemNote } from '../elements/problem_note.js';
 import { count, short } from '../elements/numbers.js';
 import { nameOf } from '../jobs/progress.js';
 import { layerNamed } from './layers.js';
+import { mixVersion } from './light_groups.js';
 import { errors } from './statistics.js';
 
 // More are found by their names in the list of jobs, not in a menu.
@@ -63,9 +64,9 @@ export function showComparison({ sources, comparison, layer, job, other }) {
 function showErrors(sources, layer, jobs) {
   const [one, other] = sources.map(source => source.overview);
   if (!one || !other) return;
-  const key = [one.tag, other.tag].join();
+  const key = [one.tag, other.tag, one.mix, other.mix].join();
   if (found?.key !== key) found = { key, ...errors(one.values, other.values, one.channels.length) };
-  const isMeasured = measured && measured.sources.every((source, index) => source === sources[index]);
+  const isMeasured = measured?.mix === mixVersion() && measured.sources.every((source, index) => source === sources[index]);
   const { rmse, relmse } = isMeasured ? measured : found;
   const side = 2 ** one.level;
   setHidden(element('measure'), side === 1);
@@ -88,18 +89,19 @@ const pixelsOf = side => (side > 1 ? `Of means over ${side} × ${side} pixels, w
 
 // Fetches both pictures whole: what an overview tells is less than the error of pixels.
 async function measure() {
-  const { sources, layer } = actions.current();
+  const { sources } = actions.current();
   element('measure').disabled = true;
   try {
-    const whole = async ({ id }) => {
-      const answer = await expect(await send(`/v1/jobs/${id}/pixels?layer=${layer}`, { cache: 'no-store' }));
-      return { values: new Float32Array(await answer.arrayBuffer()), headers: answer.headers };
+    const whole = async source => {
+      const answer = await expect(await send(`/v1/jobs/${source.id}/pixels?layer=${source.layer}`, { cache: 'no-store' }));
+      const channels = answer.headers.get('photonfarm-channels').split(',');
+      const passes = answer.headers.get('photonfarm-passes');
+      return { ...source.shown({ values: new Float32Array(await answer.arrayBuffer()), channels }), passes };
     };
     const pictures = [await whole(sources[0]), await whole(sources[1])];
-    const channels = pictures[0].headers.get('photonfarm-channels').split(',').length;
-    const passes = pictures.map(picture => picture.headers.get('photonfarm-passes'));
-    const of = `Of every pixel, at passes ${passes.join(' and ')}.`;
-    measured = { sources: [...sources], of, ...errors(pictures[0].values, pictures[1].values, channels) };
+    const of = `Of every pixel, at passes ${pictures.map(picture => picture.passes).join(' and ')}.`;
+    const found = errors(pictures[0].values, pictures[1].values, pictures[0].channels.length);
+    measured = { sources: [...sources], of, mix: mixVersion(), ...found };
     actions.change({});
   } catch (problem) {
     element('errors-note').replaceChildren(problemNote(problem));

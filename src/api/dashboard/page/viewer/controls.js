@@ -3,9 +3,13 @@
 import { element, make, setHidden, setText } from '../elements/dom.js';
 import { short } from '../elements/numbers.js';
 import { LAYERS, layerNamed } from './layers.js';
+import { LIGHT_GROUPS, keepsGroups, showLightGroups } from './light_groups.js';
 import { DEFAULT_LOOK, changeLook, chooseScale, isScaleChosen, look, usesScale } from './look.js';
 import { PALETTE } from './palette.js';
 import { CURVES } from './tone.js';
+
+// Layers that have a key.
+const DIGITS = 9;
 
 let shownScale = null;
 let shownLayer = 'color';
@@ -15,7 +19,7 @@ export function startControls(changeLayer) {
   const layer = ({ name, label }, index) =>
     make(
       'label',
-      { title: `${label} (${index + 1})` },
+      { title: index < DIGITS ? `${label} (${index + 1})` : label },
       make('input', { type: 'radio', name: 'layer', value: name, onchange: () => changeLayer(name) }),
       label,
     );
@@ -50,8 +54,10 @@ function readScale() {
   if (!problem) chooseScale(shownLayer, { low, high, isLogarithmic });
 }
 
-export function showControls({ layer }, scale) {
+export function showControls({ layer, job }, scale) {
   shownLayer = layer;
+  setHidden(element('layers').querySelector(`[value=${LIGHT_GROUPS}]`).closest('label'), !keepsGroups(job));
+  showLightGroups(job, layer);
   element('layers').querySelector(`[value=${layer}]`).checked = true;
   set('exposure', look.exposure);
   setText(element('exposure-value'), `${look.exposure > 0 ? '+' : ''}${look.exposure}`);

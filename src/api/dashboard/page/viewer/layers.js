@@ -10,6 +10,8 @@ export const LAYERS = [
   { name: 'depth', label: 'Depth', kind: 'scale', unit: 'm' },
   { name: 'denoised', label: 'Denoised', kind: 'color', unit: 'W/(sr·m²)' },
   { name: 'denoised_error', label: 'Its error', kind: 'scale', unit: 'W/(sr·m²)' },
+  // Of jobs that keep them apart; no digit is left for it.
+  { name: 'light_groups', label: 'Light groups', kind: 'color', unit: 'W/(sr·m²)' },
 ];
 
 export const layerNamed = name => LAYERS.find(layer => layer.name === name);

@@ -5,10 +5,12 @@ import { send } from '../connection/api.js';
 import { pause, spend } from './budget.js';
 import { TILE, atLevel } from './geometry.js';
 import { decodeHalf } from './half.js';
+import { LIGHT_GROUPS, mixVersion, mixed } from './light_groups.js';
 
-// Tiles that are not seen any more are kept up to this many.
+// Tiles that are not seen any more are kept up to this many; fewer of light groups, which are larger.
 const KEPT = 96;
 const RETRY_MS = 2000;
+const COLOR = ['R', 'G', 'B'];
 
 const keyOf = ({ level, x, y, format }) => [level, x, y, format].join('/');
 
@@ -82,7 +84,19 @@ export class PictureSource {
     const channels = answer.headers.get('photonfarm-channels').split(',');
     const passes = Number(answer.headers.get('photonfarm-passes'));
     this.problem = '';
-    this.keep({ ...address, width, height, values, channels, passes, tag: answer.headers.get('etag'), version, askedAt });
+    const tile = { ...address, width, height, raw: { values, channels }, passes, tag: answer.headers.get('etag'), version, askedAt };
+    this.keep({ ...tile, ...this.shown(tile.raw) });
+  }
+
+  // Values and channels as they are shown: of light groups, those of the picture that they make.
+  shown({ values, channels }) {
+    return this.layer === LIGHT_GROUPS ? { values: mixed(values, channels), channels: COLOR, mix: mixVersion() } : { values, channels };
+  }
+
+  // Light groups are to be shown in another way.
+  remix() {
+    if (this.layer !== LIGHT_GROUPS) return;
+    for (const tile of this.tiles.values()) Object.assign(tile, this.shown(tile.raw), { scale: null });
   }
 
   keep(tile) {
@@ -90,8 +104,9 @@ export class PictureSource {
     this.tiles.delete(key);
     this.tiles.set(key, tile);
     const needed = new Set(this.wanted.map(keyOf));
+    const most = (KEPT * COLOR.length) / Math.max(tile.raw.channels.length, COLOR.length);
     for (const other of this.tiles.keys()) {
-      if (this.tiles.size <= KEPT) break;
+      if (this.tiles.size <= most) break;
       if (!needed.has(other)) this.tiles.delete(other);
     }
     if (!this.isClosed) this.tell();

@@ -6,6 +6,7 @@ import { showComparison } from './comparison.js';
 import { showControls } from './controls.js';
 import { drawFrame } from './draw.js';
 import { fitted, levelFor, moved, tilesSeen, toPicture, unscaled, zoomedAt } from './geometry.js';
+import { LIGHT_GROUPS, keepsGroups, startLightGroups } from './light_groups.js';
 import { showHistogram } from './histogram_view.js';
 import { currentScale, onLook, usesScale } from './look.js';
 import { PictureSource } from './picture_source.js';
@@ -35,6 +36,7 @@ let drawOver = () => {};
 
 export function startViewer() {
   onLook(redraw);
+  startLightGroups(() => viewer.sources.forEach(source => source.remix()));
   new ResizeObserver(redraw).observe(element('stage'));
   document.addEventListener('visibilitychange', redraw);
   followPointer(canvas, {
@@ -62,6 +64,7 @@ export const onDrawn = draw => {
 
 // Shows a job, and beside it the one it is compared with. Another job's picture is never left there: its source goes with it.
 export function showPicture(job, other) {
+  if (viewer.layer === LIGHT_GROUPS && !keepsGroups(job)) viewer.layer = 'color';
   const fits = other && job && other.width === job.width && other.height === job.height;
   const shown = [job, fits ? other : null].map((wanted, index) => sourceFor(viewer.sources[index], wanted));
   viewer.sources.filter(source => !shown.includes(source)).forEach(source => source?.close());
@@ -73,8 +76,10 @@ export function showPicture(job, other) {
 
 function sourceFor(source, job) {
   if (!job) return null;
-  const isSame = source?.id === job.id && source.layer === viewer.layer && source.size.width === job.width && source.size.height === job.height;
-  return isSame ? source : new PictureSource(job, viewer.layer, redraw);
+  // A job without light groups is compared as it is.
+  const layer = viewer.layer === LIGHT_GROUPS && !keepsGroups(job) ? 'color' : viewer.layer;
+  const isSame = source?.id === job.id && source.layer === layer && source.size.width === job.width && source.size.height === job.height;
+  return isSame ? source : new PictureSource(job, layer, redraw);
 }
 
 export function changeLayer(layer) {
