@@ -22,6 +22,10 @@ pub enum Layer {
     Denoised,
     /// Standard error of that.
     DenoisedError,
+    /// Which objects cover how much of a pixel.
+    CryptoObject,
+    /// Which materials do.
+    CryptoMaterial,
 }
 
 /// What a layer is called and holds.
@@ -65,8 +69,28 @@ pub(super) const RADIANCE_UNIT: &str = "W/(sr·m²)";
 /// would spread NaN when a picture is blurred or scaled.
 pub const NOTHING_SEEN: f32 = 1e10;
 
+/// The channels of a matte in the order of their ranks: three times two pairs of id and coverage.
+macro_rules! matte_channels {
+    ($name:literal) => {
+        [
+            concat!($name, "00.R"),
+            concat!($name, "00.G"),
+            concat!($name, "00.B"),
+            concat!($name, "00.A"),
+            concat!($name, "01.R"),
+            concat!($name, "01.G"),
+            concat!($name, "01.B"),
+            concat!($name, "01.A"),
+            concat!($name, "02.R"),
+            concat!($name, "02.G"),
+            concat!($name, "02.B"),
+            concat!($name, "02.A"),
+        ]
+    };
+}
+
 /// All layers, in the order of [`Layer`].
-pub const LAYERS: [LayerRow; 9] = [
+pub const LAYERS: [LayerRow; 11] = [
     LayerRow {
         layer: Layer::Radius,
         name: "radius",
@@ -148,6 +172,24 @@ pub const LAYERS: [LayerRow; 9] = [
         nothing: "",
         allows_half: false,
     },
+    LayerRow {
+        layer: Layer::CryptoObject,
+        name: "crypto_object",
+        channels: &matte_channels!("CryptoObject"),
+        meaning: "six pairs of id and coverage of the objects seen first, as Cryptomatte has them",
+        unit: "",
+        nothing: "0 where there are fewer",
+        allows_half: false,
+    },
+    LayerRow {
+        layer: Layer::CryptoMaterial,
+        name: "crypto_material",
+        channels: &matte_channels!("CryptoMaterial"),
+        meaning: "the same of materials",
+        unit: "",
+        nothing: "0 where there are fewer",
+        allows_half: false,
+    },
 ];
 
 /// A layer of a picture.
@@ -173,6 +215,11 @@ impl Layer {
     /// Whether a worker has to look at first surfaces for it.
     pub fn needs_first_surfaces(self) -> bool {
         self.is_denoised() || matches!(self, Self::Albedo | Self::Normal | Self::Depth | Self::Position)
+    }
+
+    /// Whether it holds ids, which cannot be averaged or shown as colors.
+    pub fn is_matte(self) -> bool {
+        matches!(self, Self::CryptoObject | Self::CryptoMaterial)
     }
 
     /// Its row of the table.
