@@ -10,7 +10,7 @@ pub const DEFAULT_MATERIAL: &str = "default material";
 /// What one thing is called.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Name {
-    /// The id that the scene gives it; empty where it gives none.
+    /// What the scene calls it; empty where it gives it no name.
     pub given: String,
     /// Its place among its kind in the order of the scene, from 1; copies of one thing have the same.
     pub number: u32,
@@ -53,16 +53,21 @@ impl Names {
     }
 }
 
-/// The id of a material, or, where only what it wraps has one, of that.
-pub(super) fn id_of_material(mut node: &Node) -> &str {
-    while node.id.is_empty() {
+/// What the scene calls a plugin; empty where it gives it no name.
+pub(super) fn given_name(node: &Node) -> &str {
+    if node.name.is_empty() { &node.id } else { &node.name }
+}
+
+/// The name of a material, or, where only what it wraps has one, of that.
+pub(super) fn given_name_of_material(mut node: &Node) -> &str {
+    while given_name(node).is_empty() {
         let mut inside = node.children.iter().filter(|child| child.node.class == PluginClass::Bsdf);
         match (inside.next(), inside.next()) {
             (Some(only), None) => node = &only.node,
             _ => break,
         }
     }
-    &node.id
+    given_name(node)
 }
 
 fn unique(things: &[Name], kind: &str) -> UniqueNames {

@@ -27,6 +27,7 @@ mod errors;
 mod import;
 mod mesh_attributes;
 mod method_parameters;
+mod names;
 mod native_form;
 mod own_scenes;
 mod serialized_meshes;

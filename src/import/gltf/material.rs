@@ -73,6 +73,8 @@ impl Materials {
         };
         let id = if colored { format!("{id}_colored") } else { id };
         bsdf.id.clone_from(&id);
+        let name = reference.as_ref().map(|(_, entry)| entry.text("name")).transpose()?.flatten();
+        bsdf.name = name.unwrap_or_default().to_owned();
         let medium = reference.as_ref().map(|(_, entry)| interior(entry)).transpose()?.flatten();
         let interior = medium.map(|medium| {
             let id = format!("{id}_interior");

@@ -10,7 +10,7 @@ use super::checks::check_reach;
 use super::shapes::{MERGE, OF_DERIVATIVES, members};
 use super::{Builder, Fields, Geometry, Node, PluginClass, SceneError};
 use crate::scene::geometry::Instance;
-use crate::scene::names::Name;
+use crate::scene::names::{Name, given_name};
 
 /// The plugins that are read here, not by the table of shapes.
 pub(super) const PLUGINS: [&str; 2] = ["shapegroup", "instance"];
@@ -105,7 +105,7 @@ impl Builder<'_> {
         let bounds = instance.bounds(self.instancing.groups[group as usize].bounds());
         check_reach(node, std::iter::once(bounds))?;
         // Instances without a name of their own share the group's, so that a forest is selected at once.
-        let name = self.object_name(if node.id.is_empty() { &shape.id } else { &node.id });
+        let name = self.object_name(if given_name(node).is_empty() { given_name(shape) } else { given_name(node) });
         self.instancing.names.push(name);
         self.instancing.instances.push(instance);
         fields.finish()

@@ -7,7 +7,7 @@ use crate::scene::description::Node;
 use crate::scene::error::SceneError;
 use crate::scene::geometry::Shape;
 use crate::scene::material::{self, Material};
-use crate::scene::names::{DEFAULT_MATERIAL, Name, id_of_material};
+use crate::scene::names::{DEFAULT_MATERIAL, Name, given_name_of_material};
 
 /// A material that was read, as a shape without light.
 pub(super) struct KnownMaterial {
@@ -44,7 +44,7 @@ impl Builder<'_> {
         let known = self.material_of_node.get(&Arc::as_ptr(node));
         let first = known.map_or(self.materials.len() - 1, |known| known.shape.material as usize);
         let number = self.material_names.get(first).map_or(first as u32 + 1, |name| name.number);
-        self.material_names.push(Name { given: id_of_material(node).to_owned(), number });
+        self.material_names.push(Name { given: given_name_of_material(node).to_owned(), number });
     }
 
     /// Mitsuba gives shapes without a bsdf a two-sided grey of reflectance 0.5, but black to those that emit.
