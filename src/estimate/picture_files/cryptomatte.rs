@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 pub const RANKS: usize = 6;
 /// Rays by which a pixel looks at first surfaces: coverage is counted in them.
 pub const RAYS_PER_PIXEL: u32 = 16;
-/// The seed of the hash, which the specification leaves at 0.
+/// The seed of the hash, 0 in the specification.
 const SEED: u32 = 0;
 
 /// What covers the pixels of a picture.
