@@ -86,7 +86,8 @@ async function render(chosen) {
   choosing = null;
   showRegion();
   try {
-    if (pixels) await submit(store.jobs.get(chosen.job), pixels);
+    if (!pixels) throw new Error('The rectangle lies beside the picture.');
+    await submit(store.jobs.get(chosen.job), pixels);
   } catch (problem) {
     setText(element('region-problem'), [problem.message, problem.remedy].filter(Boolean).join('; '));
   }
