@@ -18,7 +18,7 @@ const FAR: &str = "шар ●";
 /// Center and radius of the two spheres.
 const SPHERES: [([f64; 3], f64); 2] = [([-0.5, 0.2, 0.0], 1.0), ([0.8, -0.3, -1.0], 0.9)];
 /// Half the side of the wall behind them.
-const WALL: f64 = 1.6;
+const WALL: f64 = 2.2;
 
 /// Two spheres of different materials, one a little before the other, and a wall without names at z = -3 that the corners look past.
 fn scene() -> String {
