@@ -121,7 +121,7 @@ impl Client {
                     Renderer::new(self.scene.clone(), &method, lease.job.seed)?.pilot(&AtomicBool::new(false))?;
                 Outcome::Pilot(encode_pilot(&pilot))
             }
-            LeasedWork::Choice(_) | LeasedWork::FirstSurfaces => {
+            LeasedWork::Choice(_) | LeasedWork::Errand(_) => {
                 return Err(format!("lease {:?}", LeaseId::new(0)).into());
             }
         })

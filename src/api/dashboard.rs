@@ -76,6 +76,7 @@ const FILES: &[(&str, &str, &str)] = &[
     ("page/viewer/picture_source.js", SCRIPT, include_str!("dashboard/page/viewer/picture_source.js")),
     ("page/viewer/pointer.js", SCRIPT, include_str!("dashboard/page/viewer/pointer.js")),
     ("page/viewer/readout.js", SCRIPT, include_str!("dashboard/page/viewer/readout.js")),
+    ("page/viewer/region.js", SCRIPT, include_str!("dashboard/page/viewer/region.js")),
     ("page/viewer/statistics.js", SCRIPT, include_str!("dashboard/page/viewer/statistics.js")),
     ("page/viewer/tile_painter.js", SCRIPT, include_str!("dashboard/page/viewer/tile_painter.js")),
     ("page/viewer/tone.js", SCRIPT, include_str!("dashboard/page/viewer/tone.js")),

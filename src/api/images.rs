@@ -14,7 +14,7 @@ use super::extract::{PathValue, QueryValues, parse_job};
 use super::problem::Problem;
 use super::ranges::image;
 use super::schemas::Bytes;
-use crate::estimate::picture_files::{LAYERS, Layer, PictureMetadata, encode_exr, encode_half_exr};
+use crate::estimate::picture_files::{LAYERS, Layer, LayerRow, PictureMetadata, encode_exr, encode_half_exr};
 use crate::evaluation::chart::{JobPoint, draw_job, to_svg};
 use crate::farm::job::JobStatus;
 use crate::farm::rules::terms::ErrorPoint;
@@ -48,7 +48,7 @@ impl IntoParams for ExrQuery {
             .parameter_in(ParameterIn::Query)
             .description(Some(
                 "Whether colors and directions are 16-bit floats; a layer with numbers beyond 65504 stays at 32 bits, and so do \
-                 those that hold distances, places, counts and errors.",
+                 those that hold distances, places, counts, errors and ids.",
             ))
             .schema(Some(bool::schema()));
         vec![layers.build(), half.build()]
@@ -87,13 +87,14 @@ pub async fn image_exr(
     if let Some(unchanged) = unchanged(&status, &variant(&status), &headers) {
         return Ok(unchanged);
     }
-    let LayeredPicture { picture, layers, status, denoised_relmse } =
+    let LayeredPicture { picture, layers, status, mattes, denoised_relmse } =
         state.coordinator.picture_with_layers(id, &wanted).await?;
     let tag = etag(&status, &variant(&status));
     let camera = state.coordinator.camera(&status.scene)?;
     let metadata = PictureMetadata {
         world_to_camera: camera.map(|camera| camera.world_to_camera),
         world_to_ndc: camera.and_then(|camera| camera.world_to_ndc),
+        mattes,
         ..metadata_of(&status)
     };
     let encoder = if query.half { encode_half_exr } else { encode_exr };
@@ -142,6 +143,12 @@ fn with_relmse(mut response: Response, relmse: Option<f64>) -> Response {
 fn wanted_layers(list: &str) -> Result<Vec<Layer>, Problem> {
     Layer::parse_list(list)
         .map_err(|unknown| Problem::bad_request(unknown.to_string(), format!("known layers: {}", Layer::known())))
+}
+
+/// The problem about a matte where values are looked at or averaged.
+pub fn ids_only_in_exr(row: &LayerRow) -> Problem {
+    let detail = format!("layer {} holds ids, which are neither colors nor quantities", row.name);
+    Problem::bad_request(detail, "fetch it in image.exr, and select names in a compositor")
 }
 
 /// What the header of an EXR says of a job, but for the camera, which the status does not tell.

@@ -18,6 +18,8 @@ const MOST_LIGHTS: usize = 500;
 /// Where the camera and the lights of a job's scene stand. Matrices go by rows, for row vectors: (x, y, z, 1) is multiplied from the left.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
 pub struct Layout {
+    /// Column and row of the whole film at which the job's picture begins: 0, 0 but for crop windows. `scene_changes.crop` counts from the film's first.
+    pub first_pixel: [u32; 2],
     /// From the world to the picture's right and up and the direction of view, m; left out where the camera stands nowhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub world_to_camera: Option<[f32; 16]>,
@@ -45,7 +47,7 @@ pub struct LightView {
 
 impl From<SceneLayout> for Layout {
     fn from(layout: SceneLayout) -> Self {
-        let SceneLayout { camera, lights } = layout;
+        let SceneLayout { first_pixel, camera, lights } = layout;
         let lights_left_out = lights.len().saturating_sub(MOST_LIGHTS);
         let lights = lights.into_iter().take(MOST_LIGHTS).map(|light| LightView {
             name: light.name,
@@ -53,6 +55,7 @@ impl From<SceneLayout> for Layout {
             points: light.points.iter().map(|point| point.to_array()).collect(),
         });
         Self {
+            first_pixel,
             world_to_camera: camera.map(|camera| camera.world_to_camera),
             world_to_ndc: camera.and_then(|camera| camera.world_to_ndc),
             lights: lights.collect(),

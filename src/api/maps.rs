@@ -8,7 +8,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
-use super::images::{etag, unchanged};
+use super::images::{etag, ids_only_in_exr, unchanged};
 use super::problem::Problem;
 use super::ranges::image;
 use super::schemas::Bytes;
@@ -60,6 +60,7 @@ impl MapQuery {
     #[expect(clippy::result_large_err, reason = "made at most once a request")]
     fn further_layer(&self) -> Result<Option<Layer>, Problem> {
         match LayerRow::named(&self.layer) {
+            Some(row) if row.layer.is_matte() => Err(ids_only_in_exr(row)),
             Some(row) => Ok(Some(row.layer)),
             None if [LUMINANCE, "R", "G", "B"].contains(&self.layer.as_str()) => Ok(None),
             None => {

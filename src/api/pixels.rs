@@ -21,7 +21,7 @@ use half::half_bits;
 
 use super::ApiState;
 use super::extract::{PathValue, QueryValues, parse_job};
-use super::images::{etag, unchanged};
+use super::images::{etag, ids_only_in_exr, unchanged};
 use super::problem::Problem;
 use super::schemas::Bytes;
 use crate::estimate::Picture;
@@ -97,6 +97,7 @@ impl PixelsQuery {
         let known = || format!("known layers: {COLOR}, {}", Layer::known());
         match Layer::parse_list(&self.layer).map_err(|unknown| Problem::bad_request(unknown.to_string(), known()))?[..]
         {
+            [layer] if layer.is_matte() => Err(ids_only_in_exr(layer.row())),
             [layer] => Ok(Some(layer)),
             _ => Err(Problem::bad_request(format!("\"{}\" is not one layer", self.layer), known())),
         }

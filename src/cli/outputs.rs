@@ -42,7 +42,7 @@ pub(super) struct OutputOptions {
     /// denoised picture.
     #[arg(long)]
     denoise: bool,
-    /// Write colors and directions of EXR files as 16-bit floats; distances, places, counts, errors and what is beyond 65504 stay at 32 bits.
+    /// Write colors and directions of EXR files as 16-bit floats; distances, places, counts, errors, ids and what is beyond 65504 stay at 32 bits.
     #[arg(long)]
     half: bool,
     /// Replace files that hold the same scene after more passes, too; else these stay, and the picture goes to a file beside them.

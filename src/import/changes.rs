@@ -168,6 +168,7 @@ pub(super) fn film(location: &Location) -> Node {
         class: PluginClass::Film,
         plugin: "hdrfilm".to_owned(),
         id: String::new(),
+        name: String::new(),
         parameters: Vec::new(),
         children: Vec::new(),
         location: location.clone(),

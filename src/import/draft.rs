@@ -32,6 +32,8 @@ pub(super) struct Draft {
     pub class: PluginClass,
     pub plugin: String,
     pub id: String,
+    /// See [`Node::name`](crate::scene::description::Node::name).
+    pub name: String,
     pub parameters: Vec<Parameter>,
     pub children: Vec<DraftChild>,
     pub location: Location,
@@ -44,10 +46,16 @@ impl Draft {
             class,
             plugin: plugin.to_owned(),
             id: String::new(),
+            name: String::new(),
             parameters: Vec::new(),
             children: Vec::new(),
             location: location.clone(),
         }
+    }
+
+    /// Calls it what the file calls it.
+    pub(super) fn called(self, name: &str) -> Self {
+        Self { name: name.to_owned(), ..self }
     }
 
     /// Gives it the parameter `name`.

@@ -89,8 +89,7 @@ fn draft(
         return Err(SceneError::new(&location, problem, "flatten the scene"));
     }
     let id = string(entries, "id", &location)?.unwrap_or_default().to_owned();
-    let (parameters, children) = (Vec::new(), Vec::new());
-    let mut draft = Draft { class, plugin: plugin.to_owned(), id, parameters, children, location };
+    let mut draft = Draft { id, ..Draft::new(class, plugin, &location) };
     for (key, value) in entries.iter().filter(|(key, _)| key != "type" && key != "id") {
         let place = below(&draft.location, key);
         match value {

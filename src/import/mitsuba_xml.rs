@@ -72,9 +72,7 @@ pub(super) struct Scope {
 
 impl Scope {
     fn new(class: PluginClass, plugin: &str, location: Location) -> Self {
-        let (parameters, children) = (Vec::new(), Vec::new());
-        let draft = Draft { class, plugin: plugin.to_owned(), id: String::new(), parameters, children, location };
-        Self { draft, counts: BTreeMap::new() }
+        Self { draft: Draft::new(class, plugin, &location), counts: BTreeMap::new() }
     }
 
     /// The path of the next child with this tag, for example `scene/shape[3]`.

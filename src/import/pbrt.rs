@@ -85,8 +85,8 @@ pub(super) fn read(
     }
     let Reader { mut output, options, objects, media, attributes, .. } = reader;
     let plugins = options.plugins(location, media.used, &mut output)?;
-    for (_, Object { id, location, shapes }) in objects {
-        let group = Draft { id, ..Draft::new(PluginClass::Shape, "shapegroup", &location) };
+    for (name, Object { id, location, shapes }) in objects {
+        let group = Draft { id, ..Draft::new(PluginClass::Shape, "shapegroup", &location).called(&name) };
         let group = shapes.into_iter().fold(group, |group, shape| group.with_child("", shape));
         if !group.children.is_empty() {
             output.plugins.push(group);

@@ -108,6 +108,7 @@ impl<'a> Resolver<'a> {
             class: draft.class,
             plugin: draft.plugin.clone(),
             id: draft.id.clone(),
+            name: draft.name.clone(),
             parameters: draft.parameters.clone(),
             children,
             location: draft.location.clone(),

@@ -6,6 +6,7 @@
 use rayon::prelude::*;
 
 pub use crate::estimate::picture_files::NOTHING_SEEN;
+use crate::estimate::picture_files::RAYS_PER_PIXEL as RAYS;
 use crate::math::random::{PathRandom, Stream, dimension};
 use crate::math::{Rgb, Vec3};
 use crate::scene::Scene;
@@ -14,7 +15,7 @@ use crate::scene::material::{TransportMode, View};
 
 /// Cells of a pixel along either side.
 const CELLS: u32 = 4;
-const RAYS: u32 = CELLS * CELLS;
+const _: () = assert!(RAYS == CELLS * CELLS);
 /// The largest number below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
@@ -42,12 +43,7 @@ pub fn first_surface_layers(scene: &Scene) -> Vec<FirstSurface> {
 fn look_through(scene: &Scene, pixel: u32) -> FirstSurface {
     let (mut albedo, mut normal, mut position) = (Rgb::ZERO, Vec3::ZERO, Vec3::ZERO);
     let (mut distance, mut met) = (0.0, 0.0);
-    for cell in 0..RAYS {
-        let random = PathRandom::new(0, Stream::FirstSurface, cell, pixel);
-        let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
-        let place = [within(cell % CELLS, x), within(cell / CELLS, y), lens_x, lens_y];
-        let ray = scene.camera_ray([pixel % scene.width, pixel / scene.width], place);
-        let Some(hit) = scene.intersect_from_camera(&ray) else { continue };
+    for (random, hit) in first_hits(scene, pixel) {
         let [u, v, lobe, _] = random.block(dimension::scattering(1));
         albedo += scattered_share(scene, &hit, [u, v, lobe]);
         normal += seen_normal(scene, &hit);
@@ -62,6 +58,17 @@ fn look_through(scene: &Scene, pixel: u32) -> FirstSurface {
         depth: if met > 0.0 { distance / met } else { NOTHING_SEEN },
         position: if met > 0.0 { position / met } else { Vec3::ZERO },
     }
+}
+
+/// What a pixel's rays meet, those that meet something, each with the random numbers of its path.
+pub(super) fn first_hits(scene: &Scene, pixel: u32) -> impl Iterator<Item = (PathRandom, Interaction)> {
+    (0..RAYS).filter_map(move |cell| {
+        let random = PathRandom::new(0, Stream::FirstSurface, cell, pixel);
+        let [x, y, lens_x, lens_y] = random.block(dimension::CAMERA);
+        let place = [within(cell % CELLS, x), within(cell / CELLS, y), lens_x, lens_y];
+        let ray = scene.camera_ray([pixel % scene.width, pixel / scene.width], place);
+        Some((random, scene.intersect_from_camera(&ray)?))
+    })
 }
 
 /// The number in a cell of [0, 1) that `u` in [0, 1) chooses; rounding must not reach the end.

@@ -1,6 +1,7 @@
 //! Passes on this machine's threads. The one door through which farm workers reach the methods.
 
 pub mod first_surface;
+pub mod mattes;
 mod part;
 
 use std::sync::Arc;

@@ -122,8 +122,10 @@ pub struct Node {
     pub class: PluginClass,
     /// The plugin's name: the XML `type` attribute, for example `dielectric`. For the scene itself: `scene`.
     pub plugin: String,
-    /// The user's id, or empty.
+    /// The user's id, or empty. No two plugins have the same.
     pub id: String,
+    /// What the file calls it where that is no id, as in formats in which several things may have one name; else empty.
+    pub name: String,
     /// Plain values.
     pub parameters: Vec<Parameter>,
     /// Nested plugins.

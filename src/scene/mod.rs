@@ -13,6 +13,7 @@ pub mod integrator;
 pub mod light;
 pub mod material;
 pub mod medium;
+pub mod names;
 pub mod needs;
 pub mod notice;
 pub mod prepare;

@@ -24,6 +24,7 @@ use super::light::area::Emission;
 use super::light::{LightTable, Place};
 use super::material::{Lobes, Material};
 use super::medium::{Medium, MediumIndex};
+use super::names::{Name, Names};
 use super::notice::Notice;
 use super::texture::TextureReader;
 use checks::check_view;
@@ -65,6 +66,8 @@ pub struct Scene {
     pub hides_lights: bool,
     /// The method that the scene's `<integrator>` asks for; `None` when there is none.
     pub integrator: Option<Integrator>,
+    /// What its objects and materials are called.
+    pub names: Arc<Names>,
     /// Things the user should know, one sentence each (for example a material that was approximated).
     pub notices: Vec<String>,
 }
@@ -74,10 +77,14 @@ struct Builder<'a> {
     bundle: &'a Bundle,
     textures: TextureReader<'a>,
     shapes: Vec<(Shape, ShapeGeometry)>,
+    /// What they are called.
+    shape_names: Vec<Name>,
     area_lights: Vec<AreaLightShape>,
     /// What is seen and lights nothing.
     seen_only: Vec<Emission>,
     materials: Vec<Material>,
+    /// What they are called.
+    material_names: Vec<Name>,
     /// Materials by the address of their node, so that shared nodes become one material, as shapes without light.
     material_of_node: HashMap<*const Node, KnownMaterial>,
     /// Media, and their indices by the address of their node.
@@ -133,7 +140,9 @@ impl Scene {
         }
         fields.finish()?;
         let Builder { mut textures, shapes, area_lights, seen_only, materials, media, boundaries, .. } = builder;
-        let (instancing, mut notices) = (builder.instancing, builder.notices);
+        let (mut instancing, mut notices) = (builder.instancing, builder.notices);
+        let objects = [builder.shape_names, instancing.take_names()].concat();
+        let names = Arc::new(Names { objects, materials: builder.material_names });
         notices.extend(asked.notices.iter().map(ToString::to_string));
         let (geometry, members) = Geometry::build(shapes);
         let mut geometry = instancing.add_to(geometry);
@@ -158,6 +167,7 @@ impl Scene {
             lights,
             hides_lights: asked.hides_lights,
             integrator: asked.integrator,
+            names,
             notices,
             media: media.into(),
             boundaries: boundaries.into(),
@@ -271,9 +281,11 @@ impl<'a> Builder<'a> {
             bundle,
             textures: TextureReader::new(bundle),
             shapes: Vec::new(),
+            shape_names: Vec::new(),
             area_lights: Vec::new(),
             seen_only: Vec::new(),
             materials: Vec::new(),
+            material_names: Vec::new(),
             material_of_node: HashMap::new(),
             media: Vec::new(),
             boundaries: Vec::new(),

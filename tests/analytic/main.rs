@@ -24,6 +24,7 @@ mod furnace;
 mod geometry;
 mod instances;
 mod light_choice;
+mod mattes;
 mod media;
 mod normal_maps;
 mod parameterization;

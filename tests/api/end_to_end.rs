@@ -23,7 +23,7 @@ const SCENE: &str = include_str!("../references/furnace-closed/scene.xml");
 const FIRST_SURFACE: &str = "image.exr?layers=albedo,normal,depth,position";
 
 /// A coordinator and its workers; all end when this is dropped.
-struct Farm {
+pub(crate) struct Farm {
     base: String,
     http: reqwest::Client,
     _local: LocalFarm,
@@ -41,7 +41,7 @@ impl Farm {
         String::from_utf8_lossy(&answer).into_owned()
     }
 
-    async fn start(workers: usize) -> Self {
+    pub(crate) async fn start(workers: usize) -> Self {
         Self::start_with(workers, Limits::default()).await
     }
 
@@ -54,11 +54,11 @@ impl Farm {
         Self { base: local.url(), http, _local: local }
     }
 
-    async fn get(&self, path: &str) -> reqwest::Response {
+    pub(crate) async fn get(&self, path: &str) -> reqwest::Response {
         self.http.get(format!("{}{path}", self.base)).send().await.expect("an answer")
     }
 
-    async fn post(&self, path: &str, body: impl Into<reqwest::Body>) -> reqwest::Response {
+    pub(crate) async fn post(&self, path: &str, body: impl Into<reqwest::Body>) -> reqwest::Response {
         let request = self.http.post(format!("{}{path}", self.base)).header(header::CONTENT_TYPE, "application/json");
         request.body(body).send().await.expect("an answer")
     }
@@ -73,7 +73,7 @@ impl Farm {
     }
 
     /// Reads a job's events until the stream ends.
-    async fn events(&self, id: &str) -> Vec<Value> {
+    pub(crate) async fn events(&self, id: &str) -> Vec<Value> {
         let text = self.get(&format!("/v1/jobs/{id}/events")).await.text().await.expect("a stream that ends");
         let data = text.lines().filter_map(|line| line.strip_prefix("data:"));
         data.map(|data| serde_json::from_str(data).expect("JSON")).collect()

@@ -9,6 +9,7 @@ mod http_client;
 
 mod access;
 mod end_to_end;
+mod mattes;
 mod programs;
 mod tls;
 mod webhooks;

@@ -286,7 +286,11 @@ async fn camera_and_lights_are_told() {
     let (_, job) = farm.json(Method::POST, "/v1/jobs", &[], Some(rooms.clone())).await;
     let path = format!("/v1/jobs/{}/layout", job["id"].as_str().expect("an id"));
     let (status, layout) = farm.json(Method::GET, &path, &[], None).await;
-    assert_eq!((status, &layout["lights_left_out"]), (200, &json!(0)), "{layout}");
+    assert_eq!(
+        (status, &layout["lights_left_out"], &layout["first_pixel"]),
+        (200, &json!(0), &json!([0, 0])),
+        "{layout}"
+    );
     let middle = in_picture(&layout, [0.55, 0.8, -1.6]);
     assert!(middle.iter().all(|place| (place - 0.5).abs() < 1e-4), "{middle:?}");
     let lights = layout["lights"].as_array().expect("a list");
@@ -304,6 +308,11 @@ async fn camera_and_lights_are_told() {
         assert_eq!(status, 200, "{point}: {checked}");
     }
     assert_eq!(farm.json(Method::GET, "/v1/jobs/00000000/layout", &[], None).await.0, 404);
+    let mut part = rooms;
+    part["scene_changes"]["crop"] = json!({ "x": 7, "y": 3, "width": 4, "height": 5 });
+    let (_, job) = farm.json(Method::POST, "/v1/jobs", &[], Some(part)).await;
+    let path = format!("/v1/jobs/{}/layout", job["id"].as_str().expect("an id"));
+    assert_eq!(farm.json(Method::GET, &path, &[], None).await.1["first_pixel"], json!([7, 3]));
 }
 
 /// One worker delivers nonsense and is told of; another is sent away, and a third does the rest.

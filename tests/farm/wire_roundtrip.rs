@@ -2,14 +2,17 @@
 
 use std::sync::Arc;
 
+use photonfarm::estimate::picture_files::{Matte, Mattes};
 use photonfarm::estimate::{Declaration, PixelTally, RadiusField, RadiusRule, Region, Shard, Tally};
 use photonfarm::farm::ids::{Fencing, JobId, LeaseId};
+use photonfarm::farm::rules::lease::Errand;
 use photonfarm::farm::rules::plan::Plan;
 use photonfarm::farm::wire::first_surfaces;
 use photonfarm::farm::wire::guides;
 use photonfarm::farm::wire::lease::{
     ChoiceTerms, JobDescription, LeasedWork, ShardTerms, WorkerLease, decode_lease, encode_lease,
 };
+use photonfarm::farm::wire::mattes;
 use photonfarm::farm::wire::messages;
 use photonfarm::farm::wire::planes;
 use photonfarm::farm::wire::radius;
@@ -121,7 +124,8 @@ fn shard_work(index: u64) -> LeasedWork {
 fn leases_say_what_to_do() {
     let parameters = serde_json::Map::from_iter([("max_depth".to_owned(), 3.into())]);
     let choice = LeasedWork::Choice(ChoiceTerms { parameters, error: 0.01 });
-    for work in [choice, LeasedWork::Pilot, shard_work(100), LeasedWork::FirstSurfaces] {
+    let errands = [Errand::FirstSurfaces, Errand::Mattes].map(LeasedWork::Errand);
+    for work in [choice, LeasedWork::Pilot, shard_work(100)].into_iter().chain(errands) {
         let mut lease = lease(work);
         assert_eq!(decode_lease(encode_lease(&lease)).as_ref(), Ok(&lease));
         lease.job.method = None;
@@ -143,6 +147,37 @@ fn first_surfaces_keep_every_bit() {
     assert!(first_surfaces::decode(&first_surfaces::encode(&seen), 499).is_err());
     let wrong = [FirstSurface { depth: f32::NAN, ..seen[0] }];
     assert!(first_surfaces::decode(&first_surfaces::encode(&wrong), 1).is_err());
+}
+
+#[test]
+fn mattes_are_what_was_seen_and_impossible_ones_are_refused() {
+    let names = vec!["шар".to_owned(), "\"".to_owned(), "out of view".to_owned()];
+    let mut objects = Matte { names, ..Matte::default() };
+    for met in [[1; 16].as_mut_slice(), &mut [0, 1, 1], &mut []] {
+        objects.push_pixel(met);
+    }
+    let seen = Mattes { materials: objects.clone(), objects };
+    let message = mattes::encode(seen.clone()).expect("a message");
+    assert_eq!(mattes::decode(message.clone(), 3), Ok(seen));
+    assert!(mattes::decode(message.clone(), 2).is_err(), "another picture");
+    assert!(mattes::decode(messages::Mattes { materials: None, ..message.clone() }, 3).is_err());
+    let good = message.objects.clone().expect("the objects");
+    for wrong in [
+        messages::Matte { names: good.names[..1].to_vec(), ..good.clone() },
+        messages::Matte { things: good.things[1..].to_vec(), ..good.clone() },
+        messages::Matte { rays: vec![16, 16, 1].into(), ..good.clone() },
+        messages::Matte { counts: vec![2, 2, 0].into(), ..good.clone() },
+        messages::Matte { counts: vec![0, 0, 7].into(), things: vec![0; 7], rays: vec![1; 7].into(), ..good.clone() },
+    ] {
+        assert!(
+            mattes::decode(messages::Mattes { objects: Some(wrong.clone()), ..message.clone() }, 3).is_err(),
+            "{wrong:?}"
+        );
+    }
+    let long = Matte { names: vec!["n".repeat(mattes::MOST_NAME_BYTES)], ..Matte::default() };
+    assert!(
+        mattes::encode(Mattes { objects: long, ..Mattes::default() }).is_err_and(|problem| problem.contains("16 MiB"))
+    );
 }
 
 #[test]

@@ -28,6 +28,7 @@ mod import;
 mod light_groups;
 mod mesh_attributes;
 mod method_parameters;
+mod names;
 mod native_form;
 mod own_scenes;
 mod serialized_meshes;

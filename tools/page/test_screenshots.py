@@ -1,6 +1,7 @@
 """The pictures of docs/PAGE.md, written when they are asked for by --screenshots."""
 
 import json
+import re
 
 from playwright.sync_api import expect
 
@@ -40,7 +41,7 @@ def test_screenshots(program, browser, open_page, picture_folder):
     finally:
         farm.stop()
     sizes = {file.name: file.stat().st_size for file in picture_folder.glob("*.png")}
-    assert len(sizes) == 9 and max(sizes.values()) < 300_000, sizes
+    assert len(sizes) == 10 and max(sizes.values()) < 300_000, sizes
 
 
 def fill(farm):
@@ -81,6 +82,11 @@ def show_pictures(page, farm, jobs, save):
     page.get_by_text("Error", exact=True).click()
     page.wait_for_timeout(800)
     save("finished")
+    page.get_by_text("Denoised", exact=True).click()
+    expect(page.locator("#picture")).to_have_attribute("aria-label", re.compile("layer denoised$"))
+    wait_for_picture(page)
+    page.mouse.move(*screen_place(page, (160, 160), 60, 120))
+    save("denoised")
     page.get_by_text("Color", exact=True).click()
     wait_for_picture(page)
     page.mouse.move(*screen_place(page, (160, 160), 73, 112))

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 # In this order channels stand beside each other in an array; a layer of one channel has no such axis.
 CHANNEL_ORDER = "RGBXYZ"
+# Layers whose channels have names of their own, as compositors know them.
+MATTES = {"crypto_object": "CryptoObject", "crypto_material": "CryptoMaterial"}
 
 Channels = dict[str, NDArray[np.float32]]
 
@@ -32,7 +34,10 @@ def picture(channels: Channels) -> NDArray[np.float32]:
 
 
 def layer(channels: Channels, name: str) -> NDArray[np.float32]:
-    """One layer: (height, width), or (height, width, 3) for one of three channels."""
+    """One layer: (height, width), (height, width, 3) for one of three channels, or (height, width, 6, 2) for pairs of id and coverage."""
+    if name in MATTES:
+        ranks = [channels[f"{MATTES[name]}{part:02}.{letter}"] for part in range(3) for letter in "RGBA"]
+        return np.stack(ranks, axis=-1).reshape(*ranks[0].shape, 6, 2)
     ends = sorted((channel.split(".", 1)[1] for channel in channels if channel.startswith(name + ".")), key=CHANNEL_ORDER.index)
     planes = [channels[f"{name}.{end}"] for end in ends]
     return planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)

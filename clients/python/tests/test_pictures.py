@@ -53,6 +53,16 @@ def test_layers_of_a_wall_are_known_beforehand(farm: Farm) -> None:
     np.testing.assert_allclose(layers["albedo"], np.broadcast_to(WALL_ALBEDO, (16, 16, 3)), rtol=1e-6)
 
 
+def test_mattes_cover_what_is_seen(box: Job) -> None:
+    mattes = box.layers(["crypto_object", "crypto_material"])
+    assert {name: array.shape for name, array in mattes.items()} == dict.fromkeys(["crypto_object", "crypto_material"], (32, 32, 6, 2))
+    for pairs in mattes.values():
+        ids, coverage = pairs[..., 0], pairs[..., 1]
+        assert np.array_equal(coverage.sum(axis=-1), np.ones((32, 32)))
+        assert np.all((ids != 0) == (coverage > 0))
+        assert len(np.unique(ids)) > 3
+
+
 def test_layers_of_photons(box: Job) -> None:
     layers = box.layers(["radius", "photons", "error"])
     assert {name: array.shape for name, array in layers.items()} == dict.fromkeys(["radius", "photons", "error"], (32, 32))

@@ -21,6 +21,7 @@ import { listOthers, startComparison } from './page/viewer/comparison.js';
 import { startControls } from './page/viewer/controls.js';
 import { viewerActions } from './page/viewer/actions.js';
 import { followKeys, showKeys } from './page/viewer/keys.js';
+import { showRegion, startRegion } from './page/viewer/region.js';
 import { noteWorkers, showWorkers, summary } from './page/workers/workers.js';
 
 const VIEWS = ['jobs', 'submit', 'workers'];
@@ -84,6 +85,7 @@ function showJobs(jobs) {
   setText(element('gone'), isGone ? `There is no job ${route.job} here, or not any more. ` : '');
   showPicture(job ?? null, jobs.get(other));
   showPaths(panel === 'panel-paths' && job ? job : null);
+  showRegion();
   document.title = job ? `${job.name ?? job.id}: ${job.state} – photonfarm` : 'photonfarm';
   if (!job) return;
   showHead(job);
@@ -132,6 +134,7 @@ async function start() {
   startViewer();
   startControls(changeLayer);
   startComparison({ compareWith, change: changeComparison, current: () => viewer });
+  startRegion();
   startPaths({ compare: openComparison });
   startTabs(element('panel-tabs'), shown => {
     [panel, journal] = [shown, ''];

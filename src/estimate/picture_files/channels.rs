@@ -91,6 +91,9 @@ impl Channels {
 
     /// The only channel of a layer, or the luminance of its three colors.
     fn brightness(&self, layer: &str) -> Option<Vec<f32>> {
+        if LayerRow::named(&format!("{layer}.R")).is_some_and(|row| row.layer.is_matte()) {
+            return None;
+        }
         let prefix = if layer == LUMINANCE { String::new() } else { format!("{layer}.") };
         let colors = ["R", "G", "B"].map(|color| self.channel(&format!("{prefix}{color}")));
         if let [Some(red), Some(green), Some(blue)] = colors {

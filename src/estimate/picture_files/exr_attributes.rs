@@ -6,7 +6,7 @@ use exr::meta::attribute::{AttributeValue, Chromaticities, Text};
 use exr::prelude::{LayerAttributes, Vec2};
 use time::OffsetDateTime;
 
-use super::{PictureFileError, PictureMetadata};
+use super::{MatteHeader, PictureFileError, PictureMetadata};
 
 /// The attribute that counts a picture's passes.
 pub(super) const PASSES: &str = "photonfarm.passes";
@@ -54,7 +54,7 @@ fn date_and_time(seconds: u64) -> Option<Text> {
     (year <= 9999).then(|| text(&format!("{year:04}:{month:02}:{day:02} {hour:02}:{minute:02}:{second:02}")))
 }
 
-/// The attributes that only photonfarm knows. Counts that may not fit into EXR's 32-bit integers are text.
+/// The attributes that OpenEXR does not name. Counts that may not fit into EXR's 32-bit integers are text.
 fn own_attributes(metadata: &PictureMetadata) -> Vec<(Text, AttributeValue)> {
     let parameters = serde_json::Value::Object(metadata.parameters.clone()).to_string();
     let texts = [
@@ -67,7 +67,14 @@ fn own_attributes(metadata: &PictureMetadata) -> Vec<(Text, AttributeValue)> {
         ("photonfarm.seed", metadata.seed.to_string()),
         ("photonfarm.version", env!("CARGO_PKG_VERSION").to_owned()),
     ];
-    texts.map(|(name, value)| (text(name), AttributeValue::Text(text(&value)))).to_vec()
+    let own = texts.map(|(name, value)| (text(name), AttributeValue::Text(text(&value))));
+    own.into_iter().chain(metadata.mattes.iter().flat_map(matte_attributes)).collect()
+}
+
+/// Names stand in UTF-8 in a manifest, as the specification has it.
+fn matte_attributes(matte: &MatteHeader) -> [(Text, AttributeValue); 4] {
+    let exact = |value: &str| Text::from_slice_unchecked(value.as_bytes());
+    matte.attributes().map(|(name, value)| (exact(&name), AttributeValue::Text(exact(&value))))
 }
 
 fn text(value: &str) -> Text {

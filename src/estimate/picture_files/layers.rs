@@ -24,6 +24,10 @@ pub enum Layer {
     DenoisedError,
     /// The light of each light group; of jobs that keep them apart.
     LightGroups,
+    /// Which objects cover how much of a pixel.
+    CryptoObject,
+    /// Which materials do.
+    CryptoMaterial,
 }
 
 /// What a layer is called and holds.
@@ -75,8 +79,28 @@ pub const OF_LIGHT_GROUP: &str = "light_group.";
 /// What stands for the group's name in the table.
 const GROUP_NAME: &str = "NAME";
 
+/// The channels of a matte in the order of their ranks: three times two pairs of id and coverage.
+macro_rules! matte_channels {
+    ($name:literal) => {
+        [
+            concat!($name, "00.R"),
+            concat!($name, "00.G"),
+            concat!($name, "00.B"),
+            concat!($name, "00.A"),
+            concat!($name, "01.R"),
+            concat!($name, "01.G"),
+            concat!($name, "01.B"),
+            concat!($name, "01.A"),
+            concat!($name, "02.R"),
+            concat!($name, "02.G"),
+            concat!($name, "02.B"),
+            concat!($name, "02.A"),
+        ]
+    };
+}
+
 /// All layers, in the order of [`Layer`].
-pub const LAYERS: [LayerRow; 10] = [
+pub const LAYERS: [LayerRow; 12] = [
     LayerRow {
         layer: Layer::Radius,
         name: "radius",
@@ -167,6 +191,24 @@ pub const LAYERS: [LayerRow; 10] = [
         nothing: "",
         allows_half: true,
     },
+    LayerRow {
+        layer: Layer::CryptoObject,
+        name: "crypto_object",
+        channels: &matte_channels!("CryptoObject"),
+        meaning: "six pairs of id and coverage of the objects seen first, as Cryptomatte has them",
+        unit: "",
+        nothing: "0 where there are fewer",
+        allows_half: false,
+    },
+    LayerRow {
+        layer: Layer::CryptoMaterial,
+        name: "crypto_material",
+        channels: &matte_channels!("CryptoMaterial"),
+        meaning: "the same of materials",
+        unit: "",
+        nothing: "0 where there are fewer",
+        allows_half: false,
+    },
 ];
 
 /// A layer of a picture.
@@ -213,6 +255,11 @@ impl Layer {
     /// Whether a worker has to look at first surfaces for it.
     pub fn needs_first_surfaces(self) -> bool {
         self.is_denoised() || matches!(self, Self::Albedo | Self::Normal | Self::Depth | Self::Position)
+    }
+
+    /// Whether it holds ids, which cannot be averaged or shown as colors.
+    pub fn is_matte(self) -> bool {
+        matches!(self, Self::CryptoObject | Self::CryptoMaterial)
     }
 
     /// Its row of the table.

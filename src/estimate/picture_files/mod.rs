@@ -6,6 +6,7 @@
 mod animated_png;
 mod atomic_write;
 mod channels;
+mod cryptomatte;
 mod display_file;
 mod exposure;
 mod exr_attributes;
@@ -20,6 +21,7 @@ use std::path::{Path, PathBuf};
 pub use animated_png::encode_animated_png;
 pub use atomic_write::{check_writable, write_file};
 pub use channels::{Channels, LUMINANCE, LayerValues};
+pub use cryptomatte::{Matte, MatteHeader, Mattes, RANKS, RAYS_PER_PIXEL, murmur3, name_id};
 pub use display_file::{Display, DisplayFormat, JPEG_QUALITY, MOST_JPEG_QUALITY, encode_display};
 pub use exposure::{BadExposure, Exposure};
 pub use exr_file::{
@@ -58,6 +60,8 @@ pub struct PictureMetadata {
     pub world_to_camera: Option<[f32; 16]>,
     /// From the world to the picture, (0, 0, z) top left to (1, 1, z) bottom right: by rows, for row vectors.
     pub world_to_ndc: Option<[f32; 16]>,
+    /// What the picture's mattes are called, and what in them.
+    pub mattes: Vec<MatteHeader>,
 }
 
 /// What a picture file shows.

@@ -12,7 +12,7 @@
 //! | [`members`], [`tokens`] | who they are, and what they may do |
 //! | `results`, `workers` | what workers deliver, and how they are sent away |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
-//! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`) |
+//! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`, `layers`) |
 //! | `denoising` | pictures with less noise |
 //! | [`request`], `status` | what users say and are told |
 //! | `announcing` | what webhooks are told |
@@ -30,6 +30,7 @@ mod denoising;
 mod feed;
 mod jobs;
 mod keeper;
+mod layers;
 mod lifetime;
 mod limits;
 pub mod members;

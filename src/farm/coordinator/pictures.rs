@@ -8,9 +8,11 @@ use tokio::time::timeout;
 
 use super::blocking::blocking;
 use super::denoising::PictureState;
+use super::layers::{of_denoised, of_estimate, of_first_surface, of_mattes};
+use super::seen_first::SeenFirst;
 use super::shared::{JobRecord, Shared};
 use crate::estimate::denoise::{Denoised, Twins};
-use crate::estimate::picture_files::{Layer, PictureLayer};
+use crate::estimate::picture_files::{Layer, MatteHeader, Mattes, PictureLayer};
 use crate::estimate::{Estimate, Picture};
 use crate::farm::error::FarmError;
 use crate::farm::ids::JobId;
@@ -18,6 +20,7 @@ use crate::farm::job::JobStatus;
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
 use crate::farm::rules::Event;
+use crate::farm::rules::lease::{Errand, WorkIndex};
 use crate::render::first_surface::FirstSurface;
 
 /// How long a request waits for a worker to look.
@@ -42,6 +45,8 @@ pub struct LayeredPicture {
     pub layers: Vec<PictureLayer>,
     /// The job when the picture was as it is.
     pub status: JobStatus,
+    /// What the mattes among them are called.
+    pub mattes: Vec<MatteHeader>,
     /// What its own halves tell of the relMSE of the denoised picture, where a layer of that was asked for.
     pub denoised_relmse: Option<f64>,
 }
@@ -69,6 +74,8 @@ impl Shared {
         }
         let needs_surfaces = wanted.iter().any(|layer| layer.needs_first_surfaces());
         let seen = if needs_surfaces { Some(shared.first_surfaces(&job).await?) } else { None };
+        let needs_mattes = wanted.iter().any(|layer| layer.is_matte());
+        let mattes = if needs_mattes { Some(shared.mattes(&job).await?) } else { None };
         let is_denoised = wanted.iter().any(|layer| layer.is_denoised());
         let (record, wanted, surfaces) = (job.clone(), wanted.to_vec(), seen.clone());
         let read = move |merging: &Merging| {
@@ -78,17 +85,20 @@ impl Shared {
                 |layer: &Layer| of_estimate(*layer, &merging.estimate).or_else(|| of_first_surface(*layer, seen));
             let layers: Vec<PictureLayer> = wanted.iter().filter_map(layer).collect();
             let halves = is_denoised.then(|| shared.halves(&merging.estimate, PictureState::new(record.id, &status)));
-            (
-                LayeredPicture { picture: merging.estimate.picture(), layers, status, denoised_relmse: None },
-                halves,
-                wanted,
-            )
+            let picture = merging.estimate.picture();
+            (LayeredPicture { picture, layers, status, mattes: Vec::new(), denoised_relmse: None }, halves, wanted)
         };
         let (mut picture, halves, wanted) = self.with_merged(&job, read).await?;
         if let Some((halves, seen)) = halves.zip(seen) {
             let denoised = self.denoised(halves?, PictureState::new(id, &picture.status), seen).await?;
             picture.denoised_relmse = Some(denoised.relmse);
             picture.layers.extend(wanted.iter().filter_map(|layer| of_denoised(*layer, &denoised)));
+        }
+        if let Some(mattes) = mattes {
+            let found = blocking(move || Ok(wanted.iter().filter_map(|layer| of_mattes(*layer, &mattes)).unzip()));
+            let (layers, headers): (Vec<_>, Vec<_>) = found.await?;
+            picture.layers.extend(layers);
+            picture.mattes = headers;
         }
         Ok(picture)
     }
@@ -166,81 +176,42 @@ impl Shared {
 
     /// What the pixels of a job's scene see first. Lets a worker look if nobody has yet.
     async fn first_surfaces(&self, job: &JobRecord) -> Result<Arc<[FirstSurface]>, FarmError> {
+        self.seen(job, Errand::FirstSurfaces, &self.surfaces_seen).await
+    }
+
+    /// How much of a job's pixels objects and materials cover. Lets a worker look if nobody has yet.
+    async fn mattes(&self, job: &JobRecord) -> Result<Arc<Mattes>, FarmError> {
+        self.seen(job, Errand::Mattes, &self.mattes_seen).await
+    }
+
+    /// What `errand` finds out of a job's scene, once it is among what is `known`.
+    async fn seen<T: ?Sized>(
+        &self,
+        job: &JobRecord,
+        errand: Errand,
+        known: &SeenFirst<T>,
+    ) -> Result<Arc<T>, FarmError> {
         let scene = job.description().scene;
-        let mut arrived = self.seen_first.arrived.subscribe();
-        if let Some(seen) = self.seen_first.get(&scene) {
+        let mut arrived = known.arrived.subscribe();
+        if let Some(seen) = known.get(&scene) {
             return Ok(seen);
         }
-        self.apply(Event::FirstSurfacesWanted { job: job.id });
+        self.apply(Event::ErrandWanted { job: job.id, errand });
         let look = async {
             loop {
                 arrived.mark_unchanged();
-                if let Some(seen) = self.seen_first.get(&scene) {
+                if let Some(seen) = known.get(&scene) {
                     return Some(seen);
                 }
-                if !self.lock().rules.has_errand(job.id) {
+                if !self.lock().rules.has_errand(job.id, errand) {
                     return None;
                 }
                 arrived.changed().await.ok()?;
             }
         };
         timeout(PATIENCE, look).await.ok().flatten().ok_or_else(|| FarmError::NotYet {
-            problem: format!("no worker has looked at the first surfaces of job {} yet", job.id),
+            problem: format!("no worker has looked at the {} of job {} yet", WorkIndex::Errand(errand), job.id),
             retry_after: self.options.limits.retry_after(),
         })
     }
-}
-
-/// A layer that the estimate holds.
-fn of_estimate(layer: Layer, estimate: &Estimate) -> Option<PictureLayer> {
-    if layer == Layer::LightGroups {
-        return Some(of_light_groups(estimate));
-    }
-    let pixels = (0..estimate.pixel_count()).map(|pixel| estimate.pixel(pixel));
-    let values = match layer {
-        Layer::Radius => pixels.map(|pixel| pixel.radius_squared.sqrt() as f32).collect(),
-        Layer::Photons => pixels.map(|pixel| pixel.photons as f32).collect(),
-        // Nothing is known before each twin has a pass.
-        Layer::Error => estimate.standard_error().unwrap_or_else(|| vec![f32::NAN; estimate.pixel_count()]),
-        Layer::Albedo | Layer::Normal | Layer::Depth | Layer::Position => return None,
-        Layer::Denoised | Layer::DenoisedError | Layer::LightGroups => return None,
-    };
-    Some(PictureLayer::new(layer, vec![values]))
-}
-
-/// The light of each light group.
-fn of_light_groups(estimate: &Estimate) -> PictureLayer {
-    let light_groups: Vec<String> = estimate.declaration().light_groups().into_iter().map(str::to_owned).collect();
-    let picture = |group: &String| {
-        let picture = estimate.light_group_picture(group);
-        [0, 1, 2].map(|channel| picture.radiance.iter().map(|pixel| pixel[channel]).collect::<Vec<f32>>())
-    };
-    let channels = light_groups.iter().flat_map(picture).collect();
-    PictureLayer { light_groups, ..PictureLayer::new(Layer::LightGroups, channels) }
-}
-
-/// A layer that follows from the scene.
-fn of_first_surface(layer: Layer, seen: &[FirstSurface]) -> Option<PictureLayer> {
-    let axes = |value: fn(&FirstSurface) -> [f32; 3]| {
-        (0..3).map(|axis| seen.iter().map(|pixel| value(pixel)[axis]).collect()).collect()
-    };
-    let channels = match layer {
-        Layer::Albedo => axes(|pixel| pixel.albedo.to_array()),
-        Layer::Normal => axes(|pixel| pixel.normal.to_array()),
-        Layer::Depth => vec![seen.iter().map(|pixel| pixel.depth).collect()],
-        Layer::Position => axes(|pixel| pixel.position.to_array()),
-        Layer::Radius | Layer::Photons | Layer::Error => return None,
-        Layer::Denoised | Layer::DenoisedError | Layer::LightGroups => return None,
-    };
-    Some(PictureLayer::new(layer, channels))
-}
-
-/// A layer of the denoised picture.
-fn of_denoised(layer: Layer, denoised: &Denoised) -> Option<PictureLayer> {
-    let channels = match layer {
-        Layer::Denoised => (0..3).map(|c| denoised.picture.radiance.iter().map(|pixel| pixel[c]).collect()).collect(),
-        Layer::DenoisedError => vec![denoised.standard_error.clone()],
-        _ => return None,
-    };
-    Some(PictureLayer::new(layer, channels))
 }

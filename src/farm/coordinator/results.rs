@@ -5,10 +5,13 @@ use std::time::Instant;
 
 use super::shared::{JobRecord, Shared};
 use crate::estimate::Tally;
+use crate::estimate::picture_files::Mattes;
 use crate::farm::ids::{Fencing, LeaseId, WorkerId};
 use crate::farm::locks::{lock, panic_message};
 use crate::farm::merging::Merging;
 use crate::farm::rules::check::Digest;
+#[cfg(doc)]
+use crate::farm::rules::lease::Errand;
 use crate::farm::rules::lease::{Lease, Work};
 use crate::farm::rules::plan::Plan;
 use crate::farm::rules::{Answer, Event, Outcome};
@@ -29,8 +32,10 @@ pub(in crate::farm) enum Payload {
     Pilot(Pilot),
     /// Of [`Work::Shard`].
     Tally(Tally),
-    /// Of [`Work::FirstSurfaces`].
+    /// Of [`Errand::FirstSurfaces`].
     FirstSurfaces(Vec<FirstSurface>),
+    /// Of [`Errand::Mattes`].
+    Mattes(Mattes),
 }
 
 /// A delivery, as the protocol reads it.
@@ -117,7 +122,11 @@ impl Shared {
                 self.choose(job, choice, reason).map_err(|problem| problem.to_string())
             }
             (Payload::FirstSurfaces(seen), _) => {
-                self.seen_first.insert(&job.description().scene, seen);
+                self.surfaces_seen.insert(&job.description().scene, seen.into());
+                Ok(())
+            }
+            (Payload::Mattes(mattes), _) => {
+                self.mattes_seen.insert(&job.description().scene, mattes.into());
                 Ok(())
             }
             (Payload::Pilot(pilot), _) => {

@@ -34,9 +34,11 @@ pub struct SceneSummary {
     pub notices: Vec<String>,
 }
 
-/// Where the camera and the lights of a scene stand.
+/// Where the camera and the lights of a scene stand, and which part of the film is the picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneLayout {
+    /// Column and row of the film at which the picture begins.
+    pub first_pixel: [u32; 2],
     /// The camera, where it stands somewhere.
     pub camera: Option<CameraMatrices>,
     /// The lights that have a place, those of most power first.

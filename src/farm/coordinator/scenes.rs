@@ -181,7 +181,8 @@ impl Shared {
         blocking(move || {
             let _slot = slot;
             let camera = scene.camera.matrices(&scene.film);
-            Ok(SceneLayout { camera, lights: scene.lights.whereabouts(&scene.geometry) })
+            let lights = scene.lights.whereabouts(&scene.geometry);
+            Ok(SceneLayout { first_pixel: scene.film.offset, camera, lights })
         })
         .await
     }

@@ -6,30 +6,29 @@ use std::sync::{Arc, Mutex};
 use tokio::sync::watch;
 
 use crate::farm::locks::lock;
-use crate::render::first_surface::FirstSurface;
 
-/// Scenes whose first surfaces are kept.
+/// Scenes of which it is kept.
 const KEPT: usize = 4;
 
-/// What the pixels of some scenes see first.
-#[derive(Default)]
-pub(super) struct SeenFirst {
-    scenes: Mutex<VecDeque<Seen>>,
+/// What the pixels of some scenes see first: `T` of each scene.
+pub(super) struct SeenFirst<T: ?Sized> {
+    scenes: Mutex<VecDeque<(String, Arc<T>)>>,
     /// Rises with every scene that arrives.
     pub(super) arrived: watch::Sender<u64>,
 }
 
-struct Seen {
-    scene: String,
-    pixels: Arc<[FirstSurface]>,
+impl<T: ?Sized> Default for SeenFirst<T> {
+    fn default() -> Self {
+        Self { scenes: Mutex::default(), arrived: watch::Sender::default() }
+    }
 }
 
-impl SeenFirst {
+impl<T: ?Sized> SeenFirst<T> {
     /// Keeps what a worker saw.
-    pub(super) fn insert(&self, scene: &str, pixels: Vec<FirstSurface>) {
+    pub(super) fn insert(&self, scene: &str, seen: Arc<T>) {
         let mut scenes = lock(&self.scenes);
-        scenes.retain(|seen| seen.scene != scene);
-        scenes.push_back(Seen { scene: scene.to_owned(), pixels: pixels.into() });
+        scenes.retain(|(known, _)| known != scene);
+        scenes.push_back((scene.to_owned(), seen));
         if scenes.len() > KEPT {
             scenes.pop_front();
         }
@@ -38,7 +37,7 @@ impl SeenFirst {
     }
 
     /// What a worker saw of a scene.
-    pub(super) fn get(&self, scene: &str) -> Option<Arc<[FirstSurface]>> {
-        lock(&self.scenes).iter().find(|seen| seen.scene == scene).map(|seen| seen.pixels.clone())
+    pub(super) fn get(&self, scene: &str) -> Option<Arc<T>> {
+        lock(&self.scenes).iter().find(|(known, _)| known == scene).map(|(_, seen)| seen.clone())
     }
 }

@@ -19,6 +19,7 @@ use super::scene_record::SceneRecord;
 use super::seen_first::SeenFirst;
 use super::turn::Turn;
 use super::viewed::Viewed;
+use crate::estimate::picture_files::Mattes;
 use crate::farm::access::caller::Caller;
 use crate::farm::access::register::Register;
 use crate::farm::access::secret::NoRandomness;
@@ -37,6 +38,7 @@ use crate::farm::store::jobs::Snapshots;
 use crate::farm::store::journal::JournalRow;
 use crate::farm::webhooks::webhook::Webhook;
 use crate::farm::wire::lease::JobDescription;
+use crate::render::first_surface::FirstSurface;
 
 /// What all clones of a handle share.
 pub(in crate::farm) struct Shared {
@@ -51,7 +53,8 @@ pub(in crate::farm) struct Shared {
     pub(super) counters: Counters,
     pub(super) feed: Feed,
     pub(in crate::farm) worker_secrets: WorkerSecrets,
-    pub(super) seen_first: SeenFirst,
+    pub(super) surfaces_seen: SeenFirst<[FirstSurface]>,
+    pub(super) mattes_seen: SeenFirst<Mattes>,
     pub(super) denoising: Denoising,
     pub(super) uploads: Arc<Semaphore>,
     /// How many of them are whose.
@@ -215,7 +218,8 @@ impl Shared {
             chores,
             viewed: Viewed::default(),
             state: Mutex::new(state),
-            seen_first: SeenFirst::default(),
+            surfaces_seen: SeenFirst::default(),
+            mattes_seen: SeenFirst::default(),
             denoising: Denoising::default(),
             work: watch::Sender::new(0),
             stopped: CancellationToken::new(),

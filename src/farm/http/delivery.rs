@@ -10,13 +10,13 @@ use super::problem::Problem;
 use crate::estimate::Declaration;
 use crate::farm::coordinator::{Delivered, Delivery, JobRecord, Payload, Shared};
 use crate::farm::rules::check::Digest;
-use crate::farm::rules::lease::{Lease, Work};
+use crate::farm::rules::lease::{Errand, Lease, Work};
 use crate::farm::rules::{Answer, Outcome};
 use crate::farm::text::is_hidden;
 use crate::farm::wire::lease::JobDescription;
 use crate::farm::wire::messages::result_request::Outcome as Sent;
 use crate::farm::wire::messages::{self, ResultRequest, ResultResponse};
-use crate::farm::wire::{WireError, first_surfaces, result};
+use crate::farm::wire::{WireError, first_surfaces, mattes, result};
 use crate::method::{MOST_GUIDE_VALUES, MethodChoice};
 
 /// Whether the worker that delivers has the lease, so that its result is worth the memory that it takes.
@@ -41,7 +41,8 @@ pub(super) fn awaited_bytes(shared: &Shared, delivery: Delivery) -> Result<Optio
     let bytes = match lease.work {
         Work::Choice => 0,
         Work::Pilot => PIXEL * pixels + (MOST_GUIDE_VALUES * size_of::<f32>()) as u64,
-        Work::FirstSurfaces => PIXEL * pixels,
+        Work::Errand(Errand::FirstSurfaces) => PIXEL * pixels,
+        Work::Errand(Errand::Mattes) => mattes::MOST_PIXEL_BYTES as u64 * pixels + mattes::MOST_NAME_BYTES as u64,
         Work::Shard(_, planned) | Work::Check(_, planned) => {
             let numbers: usize = declaration(&job)?.planes.iter().map(|plane| plane.channels).sum();
             planned.shard.region.pixel_count(job.width) as u64 * numbers as u64 * size_of::<f32>() as u64
@@ -107,9 +108,10 @@ fn payload(job: &JobRecord, lease: &Lease, outcome: Option<Sent>) -> Result<Payl
             let tally = result::decode_checked_tally(&message, planned.shard, width, &declaration)?;
             Ok(Payload::Tally(tally))
         }
-        (Work::FirstSurfaces, Sent::FirstSurfaces(message)) => {
+        (Work::Errand(Errand::FirstSurfaces), Sent::FirstSurfaces(message)) => {
             Ok(Payload::FirstSurfaces(first_surfaces::decode(&message, pixels)?))
         }
+        (Work::Errand(Errand::Mattes), Sent::Mattes(message)) => Ok(Payload::Mattes(mattes::decode(message, pixels)?)),
         _ => Err(WireError::Impossible { field: "outcome", problem: "it is of another kind than the lease".into() }),
     }
 }

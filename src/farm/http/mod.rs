@@ -155,7 +155,7 @@ fn granted(shared: &Arc<Shared>, lease: &Lease) -> Result<WorkerLease, FarmError
         Work::Shard(_, planned) | Work::Check(_, planned) => {
             LeasedWork::Shard(ShardTerms { planned, generation: job.generation.load(Ordering::Relaxed) })
         }
-        Work::FirstSurfaces => LeasedWork::FirstSurfaces,
+        Work::Errand(errand) => LeasedWork::Errand(errand),
     };
     Ok(WorkerLease { id: lease.id, fencing: lease.fencing, job: job.description(), work })
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::time::Duration;
 
 use super::check::Digest;
-use super::lease::{Lease, WorkIndex};
+use super::lease::{Errand, Lease, WorkIndex};
 use super::plan::Plan;
 use super::terms::{MergedTotals, PauseReason, Restored, Terms};
 use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
@@ -94,10 +94,12 @@ pub enum Event {
         /// The job.
         job: JobId,
     },
-    /// Somebody wants to know what the pixels of a job's scene see first.
-    FirstSurfacesWanted {
+    /// Somebody wants to know something of a job's scene.
+    ErrandWanted {
         /// A job with that scene, running or not.
         job: JobId,
+        /// What is to be found out.
+        errand: Errand,
     },
     /// A worker joins.
     WorkerJoined {

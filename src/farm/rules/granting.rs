@@ -18,7 +18,7 @@
 use std::time::Duration;
 
 use super::job::{Job, LEASE_COST, UNKNOWN_COST};
-use super::lease::{Lease, Work, WorkIndex};
+use super::lease::{Errand, Lease, Work, WorkIndex};
 use super::plan::Plan;
 use super::{Answer, Rules};
 use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
@@ -100,8 +100,8 @@ impl Rules {
         if is_set_aside || held >= LEASES_PER_WORKER {
             return Answer::NoWork;
         }
-        if let Some(job) = self.next_errand() {
-            return self.issue(now, worker, job, Work::FirstSurfaces, Fencing::default());
+        if let Some((job, errand)) = self.next_errand() {
+            return self.issue(now, worker, job, Work::Errand(errand), Fencing::default());
         }
         let asker = self.asker(worker, held);
         let Some((turn, Candidate { job, work, served, .. })) = self.choose(now, asker) else { return Answer::NoWork };
@@ -122,9 +122,10 @@ impl Rules {
         Answer::Granted(self.leases.issue(lease))
     }
 
-    /// The job with the oldest errand that nobody runs.
-    fn next_errand(&self) -> Option<JobId> {
-        let is_free = |job: &JobId| self.leases.of_work(*job, WorkIndex::FirstSurfaces).next().is_none();
+    /// The oldest job's errand that nobody runs.
+    fn next_errand(&self) -> Option<(JobId, Errand)> {
+        let is_free =
+            |(job, errand): &(JobId, Errand)| self.leases.of_work(*job, WorkIndex::Errand(*errand)).next().is_none();
         self.errands.keys().copied().find(is_free)
     }
 

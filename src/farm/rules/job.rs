@@ -154,7 +154,7 @@ impl Job {
             WorkIndex::Pilot => Work::Pilot,
             WorkIndex::Shard(index) => Work::Shard(index, planned(index)?),
             WorkIndex::Check(index) => Work::Check(index, planned(index)?),
-            WorkIndex::FirstSurfaces => Work::FirstSurfaces,
+            WorkIndex::Errand(errand) => Work::Errand(errand),
         })
     }
 
@@ -217,7 +217,7 @@ impl Job {
                 shard >= self.totals.shards && shard < self.limit && !self.arrived.contains(&shard)
             }
             // Whoever asks for a check next finds it among those that nobody holds.
-            WorkIndex::Check(_) | WorkIndex::FirstSurfaces => false,
+            WorkIndex::Check(_) | WorkIndex::Errand(_) => false,
         };
         if is_needed && !self.has_ended() {
             self.returned.insert(index);

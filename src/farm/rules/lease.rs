@@ -10,6 +10,15 @@ use crate::farm::ids::{Fencing, JobId, LeaseId, WorkerId};
 /// Closed leases that are remembered, so that a repeated result is told from a fenced one.
 const CLOSED_KEPT: usize = 1 << 16;
 
+/// Work for a job's scene rather than for its picture, done when somebody wants to know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Errand {
+    /// What the pixels see first.
+    FirstSurfaces,
+    /// How much of each pixel objects and materials cover.
+    Mattes,
+}
+
 /// What a lease is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
@@ -21,8 +30,8 @@ pub enum Work {
     Shard(u64, PlannedShard),
     /// The same shard once more, to compare its bits.
     Check(u64, PlannedShard),
-    /// What the pixels of the job's scene see first.
-    FirstSurfaces,
+    /// Work for the job's scene.
+    Errand(Errand),
 }
 
 /// The place of a piece of work in its job.
@@ -36,8 +45,8 @@ pub enum WorkIndex {
     Shard(u64),
     /// See [`Work::Check`].
     Check(u64),
-    /// See [`Work::FirstSurfaces`].
-    FirstSurfaces,
+    /// See [`Work::Errand`].
+    Errand(Errand),
 }
 
 impl fmt::Display for WorkIndex {
@@ -47,7 +56,8 @@ impl fmt::Display for WorkIndex {
             Self::Pilot => out.write_str("pilot"),
             Self::Shard(index) => write!(out, "shard {index}"),
             Self::Check(index) => write!(out, "check of shard {index}"),
-            Self::FirstSurfaces => out.write_str("first surfaces"),
+            Self::Errand(Errand::FirstSurfaces) => out.write_str("first surfaces"),
+            Self::Errand(Errand::Mattes) => out.write_str("mattes"),
         }
     }
 }
@@ -60,7 +70,7 @@ impl Work {
             Self::Pilot => WorkIndex::Pilot,
             Self::Shard(index, _) => WorkIndex::Shard(*index),
             Self::Check(index, _) => WorkIndex::Check(*index),
-            Self::FirstSurfaces => WorkIndex::FirstSurfaces,
+            Self::Errand(errand) => WorkIndex::Errand(*errand),
         }
     }
 
@@ -68,7 +78,7 @@ impl Work {
     pub fn passes(&self) -> Option<u32> {
         match self {
             Self::Shard(_, planned) | Self::Check(_, planned) => Some(planned.shard.passes),
-            Self::Choice | Self::Pilot | Self::FirstSurfaces => None,
+            Self::Choice | Self::Pilot | Self::Errand(_) => None,
         }
     }
 }
@@ -191,7 +201,7 @@ impl LeaseTable {
     /// Active leases of one job in the order of its work.
     pub fn of_job(&self, job: JobId) -> impl Iterator<Item = &Lease> {
         let first = ByWork { job, work: WorkIndex::Choice, lease: FIRST };
-        let last = ByWork { job, work: WorkIndex::FirstSurfaces, lease: LAST };
+        let last = ByWork { job, work: WorkIndex::Errand(Errand::Mattes), lease: LAST };
         self.by_work.range(first..=last).map(|place| &self.active[&place.lease])
     }
 

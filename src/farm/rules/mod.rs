@@ -29,7 +29,7 @@ use std::time::Duration;
 use check::CheckShare;
 pub use event::{Answer, Effects, Event, Notice, Outcome, Rollback};
 use job::Job;
-use lease::{Closed, Lease, LeaseTable, WorkIndex};
+use lease::{Closed, Errand, Lease, LeaseTable, WorkIndex};
 use roster::Roster;
 use terms::{MergedTotals, PauseReason};
 
@@ -59,9 +59,9 @@ pub struct RulesOptions {
     pub first_id: u64,
 }
 
-/// Work for a scene rather than for a picture, wanted by somebody who waits.
+/// An errand that somebody waits for.
 #[derive(Clone, Copy, Debug, Default)]
-struct Errand {
+struct WantedErrand {
     failures: usize,
 }
 
@@ -70,7 +70,7 @@ struct Errand {
 pub struct Rules {
     options: RulesOptions,
     jobs: BTreeMap<JobId, Job>,
-    errands: BTreeMap<JobId, Errand>,
+    errands: BTreeMap<(JobId, Errand), WantedErrand>,
     roster: Roster,
     leases: LeaseTable,
     /// What the job that was served last had been served before, see [`Job::served`].
@@ -139,8 +139,8 @@ impl Rules {
             Event::PriorityChanged { job, priority } => self.with_job(job, |_, job| job.terms.priority = priority),
             Event::JobForgotten { job } => self.forget(job),
             Event::JobErased { job } => self.erase(job),
-            Event::FirstSurfacesWanted { job } => {
-                self.errands.entry(job).or_default();
+            Event::ErrandWanted { job, errand } => {
+                self.errands.entry((job, errand)).or_default();
                 self.pending.work_appeared = true;
                 Answer::Done
             }
@@ -307,8 +307,8 @@ impl Rules {
     }
 
     fn erase(&mut self, id: JobId) -> Answer {
-        self.errands.remove(&id);
-        self.close(id, Closed::JobEnded, |work| work == WorkIndex::FirstSurfaces);
+        self.errands.retain(|(job, _), _| *job != id);
+        self.close(id, Closed::JobEnded, |work| matches!(work, WorkIndex::Errand(_)));
         self.forget(id)
     }
 

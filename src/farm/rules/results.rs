@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use super::check::{Digest, GivenUp, Verdict};
 use super::job::Job;
-use super::lease::{Closed, Lease, Work, WorkIndex};
+use super::lease::{Closed, Errand, Lease, Work, WorkIndex};
 use super::roster::LastError;
 use super::terms::PauseReason;
 use super::{Answer, Notice, Outcome, Rollback, Rules, SILENT_LEASES};
@@ -57,7 +57,7 @@ impl Rules {
         }
         self.pending.changed.insert(lease.job);
         match (lease.work, digest) {
-            (Work::FirstSurfaces, _) => drop(self.errands.remove(&lease.job)),
+            (Work::Errand(errand), _) => drop(self.errands.remove(&(lease.job, errand))),
             (Work::Check(shard, _), Some(digest)) => return self.compare(now, &lease, shard, digest),
             (Work::Check(..), None) => return Answer::Compared,
             (work, digest) => {
@@ -140,8 +140,8 @@ impl Rules {
             }
         }
         self.pending.notices.push(Notice::BadResult { name, job: lease.job, work, problem: problem.to_owned() });
-        if work == WorkIndex::FirstSurfaces {
-            self.fail_errand(lease.job);
+        if let WorkIndex::Errand(errand) = work {
+            self.fail_errand(lease.job, errand);
         } else if let Some(job) = self.jobs.get_mut(&lease.job).filter(|job| is_own_word && !job.has_ended()) {
             job.fail_work(work, lease.worker, problem, now);
         }
@@ -150,17 +150,17 @@ impl Rules {
         Answer::Recorded
     }
 
-    fn fail_errand(&mut self, job: JobId) {
-        let Some(errand) = self.errands.get_mut(&job) else { return };
-        errand.failures += 1;
-        if errand.failures >= FAILURES_PER_ERRAND {
-            self.errands.remove(&job);
+    fn fail_errand(&mut self, job: JobId, errand: Errand) {
+        let Some(wanted) = self.errands.get_mut(&(job, errand)) else { return };
+        wanted.failures += 1;
+        if wanted.failures >= FAILURES_PER_ERRAND {
+            self.errands.remove(&(job, errand));
         }
     }
 
     /// Whether somebody still waits for, or works on, what the job's scene shows first.
-    pub fn has_errand(&self, job: JobId) -> bool {
-        self.errands.contains_key(&job)
+    pub fn has_errand(&self, job: JobId, errand: Errand) -> bool {
+        self.errands.contains_key(&(job, errand))
     }
 
     pub(super) fn keep_alive(&mut self, now: Duration, worker: WorkerId, leases: &[LeaseId]) -> Answer {
@@ -245,8 +245,8 @@ impl Rules {
     /// A worker fell silent over some work. Work that costs too many workers is issued to nobody until its user says so.
     fn lose(&mut self, now: Duration, lease: &Lease) {
         let index = lease.work.index();
-        if index == WorkIndex::FirstSurfaces {
-            return self.fail_errand(lease.job);
+        if let WorkIndex::Errand(errand) = index {
+            return self.fail_errand(lease.job, errand);
         }
         let Some(job) = self.jobs.get_mut(&lease.job).filter(|job| !job.has_ended()) else { return };
         if job.lose_worker(index, lease.worker) && job.state != JobState::Paused {
@@ -277,14 +277,14 @@ impl Rules {
         let (ended, limit, has_plan) = (job.has_ended(), job.limit(), job.plan.is_some());
         self.close(id, Closed::JobEnded, |work| match work {
             WorkIndex::Shard(index) => ended || (has_plan && index >= limit),
-            WorkIndex::FirstSurfaces => false,
+            WorkIndex::Errand(_) => false,
             WorkIndex::Choice | WorkIndex::Pilot | WorkIndex::Check(_) => ended,
         });
     }
 
     /// Ends all leases of a job but errands.
     pub(super) fn close_all(&mut self, id: JobId, reason: Closed) {
-        self.close(id, reason, |work| work != WorkIndex::FirstSurfaces);
+        self.close(id, reason, |work| !matches!(work, WorkIndex::Errand(_)));
     }
 
     /// Ends the leases of a job whose work `is_over`; nobody else gets it.

@@ -6,6 +6,7 @@ use super::WireError;
 use super::messages;
 use crate::estimate::{Declaration, Region, Shard};
 use crate::farm::ids::{BadJobId, Fencing, JobId, LeaseId};
+use crate::farm::rules::lease::Errand;
 #[cfg(doc)]
 use crate::farm::rules::lease::Work;
 use crate::farm::rules::plan::PlannedShard;
@@ -70,8 +71,8 @@ pub enum LeasedWork {
     Pilot,
     /// See [`Work::Shard`]; a check looks no different.
     Shard(ShardTerms),
-    /// See [`Work::FirstSurfaces`].
-    FirstSurfaces,
+    /// See [`Work::Errand`].
+    Errand(Errand),
 }
 
 /// A lease as a worker reads it.
@@ -110,7 +111,10 @@ pub fn encode_lease(lease: &WorkerLease) -> messages::Lease {
         }),
         LeasedWork::Pilot => messages::lease::Work::Pilot(messages::PilotWork {}),
         LeasedWork::Shard(terms) => messages::lease::Work::Shard(encode_shard(terms)),
-        LeasedWork::FirstSurfaces => messages::lease::Work::FirstSurfaces(messages::FirstSurfacesWork {}),
+        LeasedWork::Errand(Errand::FirstSurfaces) => {
+            messages::lease::Work::FirstSurfaces(messages::FirstSurfacesWork {})
+        }
+        LeasedWork::Errand(Errand::Mattes) => messages::lease::Work::Mattes(messages::MattesWork {}),
     };
     let (id, fencing) = (lease.id.number(), lease.fencing.number());
     messages::Lease { id, fencing, job: Some(encode_job(&lease.job)), work: Some(work) }
@@ -136,7 +140,8 @@ pub fn decode_lease(message: messages::Lease) -> Result<WorkerLease, WireError> 
         messages::lease::Work::Choice(choice) => LeasedWork::Choice(decode_choice(&choice)?),
         messages::lease::Work::Pilot(_) => LeasedWork::Pilot,
         messages::lease::Work::Shard(shard) => LeasedWork::Shard(decode_shard(&shard, &job)?),
-        messages::lease::Work::FirstSurfaces(_) => LeasedWork::FirstSurfaces,
+        messages::lease::Work::FirstSurfaces(_) => LeasedWork::Errand(Errand::FirstSurfaces),
+        messages::lease::Work::Mattes(_) => LeasedWork::Errand(Errand::Mattes),
     };
     if job.method.is_none() && matches!(work, LeasedWork::Pilot | LeasedWork::Shard(_)) {
         return Err(WireError::Missing("method"));

@@ -5,6 +5,7 @@
 pub mod first_surfaces;
 pub mod guides;
 pub mod lease;
+pub mod mattes;
 pub mod planes;
 pub mod radius;
 pub mod result;

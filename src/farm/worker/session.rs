@@ -18,6 +18,7 @@ use tokio_util::task::TaskTracker;
 use super::cache::{Cache, PrepareError};
 use super::client::{Backoff, CallError, Client, TRANSFER_TIMEOUT};
 use super::pool::RenderPool;
+use crate::estimate::picture_files::Mattes;
 use crate::estimate::{RadiusField, Tally};
 use crate::evaluation::{PoolStopwatch, RunError};
 use crate::farm::events::EVENTS;
@@ -25,8 +26,10 @@ use crate::farm::ids::{Fencing, JobId, LeaseId};
 use crate::farm::locks::lock;
 use crate::farm::method_choice::{best_method, try_methods};
 use crate::farm::prepared_scenes::PreparedScenes;
+use crate::farm::rules::lease::Errand;
 use crate::farm::wire::first_surfaces;
 use crate::farm::wire::lease::{ChoiceTerms, JobDescription, LeasedWork, ShardTerms, WorkerLease, decode_lease};
+use crate::farm::wire::mattes::encode as encode_mattes;
 use crate::farm::wire::messages::result_request::Outcome;
 use crate::farm::wire::messages::{
     Choice, HeartbeatRequest, HeartbeatResponse, LeaseResponse, ReleaseRequest, ResultRequest, ResultResponse,
@@ -34,6 +37,7 @@ use crate::farm::wire::messages::{
 use crate::farm::wire::result::{encode_pilot, encode_tally};
 use crate::method::MethodChoice;
 use crate::render::first_surface::{FirstSurface, first_surface_layers};
+use crate::render::mattes::mattes;
 use crate::render::{Cancelled, Pilot, Renderer};
 use crate::scene::Scene;
 
@@ -80,7 +84,7 @@ enum ReadyWork {
     Choice(Arc<Scene>, ChoiceTerms),
     Pilot(Arc<Renderer>),
     Shard(Arc<Renderer>, ShardTerms, Arc<RadiusField>),
-    FirstSurfaces(Arc<Scene>),
+    Errand(Arc<Scene>, Errand),
 }
 
 enum Product {
@@ -88,6 +92,7 @@ enum Product {
     Pilot(Pilot),
     Tally(Tally),
     FirstSurfaces(Vec<FirstSurface>),
+    Mattes(Mattes),
     Failure(String),
 }
 
@@ -201,7 +206,7 @@ impl Session {
         let (cache, client, pool) = (&self.cache, &self.client, &self.pool);
         let work = match work {
             LeasedWork::Choice(terms) => ReadyWork::Choice(cache.scene(client, pool, &job.scene).await?, terms),
-            LeasedWork::FirstSurfaces => ReadyWork::FirstSurfaces(cache.scene(client, pool, &job.scene).await?),
+            LeasedWork::Errand(errand) => ReadyWork::Errand(cache.scene(client, pool, &job.scene).await?, errand),
             LeasedWork::Pilot => ReadyWork::Pilot(cache.renderer(client, pool, &job).await?),
             LeasedWork::Shard(terms) => {
                 let renderer = cache.pass_renderer(client, pool, &job, &terms).await?;
@@ -334,7 +339,8 @@ impl Task {
             ReadyWork::Shard(renderer, terms, field) => {
                 renderer.trace(terms.planned.shard, &field, cancel).map(Product::Tally)
             }
-            ReadyWork::FirstSurfaces(scene) => Ok(Product::FirstSurfaces(first_surface_layers(&scene))),
+            ReadyWork::Errand(scene, Errand::FirstSurfaces) => Ok(Product::FirstSurfaces(first_surface_layers(&scene))),
+            ReadyWork::Errand(scene, Errand::Mattes) => Ok(Product::Mattes(mattes(&scene))),
         }
     }
 }
@@ -363,6 +369,7 @@ impl Product {
             Self::Pilot(pilot) => Outcome::Pilot(encode_pilot(&pilot)),
             Self::Tally(tally) => Outcome::Tally(encode_tally(&tally)),
             Self::FirstSurfaces(seen) => Outcome::FirstSurfaces(first_surfaces::encode(&seen)),
+            Self::Mattes(seen) => encode_mattes(seen).map_or_else(Outcome::Failure, Outcome::Mattes),
             Self::Failure(problem) => Outcome::Failure(problem),
         }
     }

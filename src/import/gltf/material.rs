@@ -73,6 +73,8 @@ impl Materials {
         };
         let id = if colored { format!("{id}_colored") } else { id };
         bsdf.id.clone_from(&id);
+        bsdf.name =
+            reference.as_ref().map_or(Ok(None), |(_, entry)| entry.text("name"))?.unwrap_or_default().to_owned();
         let medium = reference.as_ref().map(|(_, entry)| interior(entry)).transpose()?.flatten();
         let interior = medium.map(|medium| {
             let id = format!("{id}_interior");
@@ -369,8 +371,8 @@ fn light<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Result<Op
     let texture = textures.read(material, "emissiveTexture", Meaning::Color)?;
     let emitter = Draft::new(PluginClass::Emitter, "area", &material.location());
     let emitter = if material.flag("doubleSided")? { emitter.with_flag("two_sided", true) } else { emitter };
-    let emitter = emitter.in_light_group(super::lights::light_group(material)?);
-    Ok(Some(Slot::product(texture, Value::Rgb(radiance)).put(emitter, "radiance")))
+    let emitter = Slot::product(texture, Value::Rgb(radiance)).put(emitter, "radiance");
+    Ok(Some(emitter.in_light_group(super::lights::light_group(material)?)))
 }
 
 /// The `dielectric` of a material that is MDL's `thick_glass` (NV_materials_mdl). The parameters beside it are those of
@@ -384,15 +386,13 @@ fn thick_glass<'a>(material: &Entry<'a>, textures: &mut Textures<'_, 'a>) -> Res
     let name = definition.rsplit("::").next().unwrap_or_default();
     if name.split('(').next() != Some("thick_glass") {
         if name != "gltf_material" {
-            let explanation = "the parameters of glTF are used";
-            textures.output.notices.add(Notice::ignored(&material.location(), "an MDL shader", explanation));
+            let notice = Notice::ignored(&material.location(), "an MDL shader", "the parameters of glTF are used");
+            textures.output.notices.add(notice);
         }
         return Ok(None);
     }
-    let index = match shader.child("arguments")? {
-        Some(arguments) => arguments.number("ior")?.unwrap_or(DEFAULT_INDEX),
-        None => DEFAULT_INDEX,
-    };
+    let index = shader.child("arguments")?.map_or(Ok(None), |arguments| arguments.number("ior"))?;
+    let index = index.unwrap_or(DEFAULT_INDEX);
     let explanation = format!("a smooth clear dielectric of index {} takes its place", shown_number(index));
     textures.output.notices.add(Notice::approximated(&material.location(), "MDL's thick_glass", explanation));
     let glass = Draft::new(PluginClass::Bsdf, "dielectric", &material.location());

@@ -41,6 +41,8 @@ pub(super) struct Contents<'a> {
 struct Placement {
     file: MeshFile,
     material: Rc<Material>,
+    /// The node's, or the mesh's where the node has none.
+    name: String,
     location: Location,
     to_world: DMat4,
 }
@@ -176,6 +178,7 @@ impl<'d> Contents<'d> {
         let to_world = if skinned { DMat4::IDENTITY } else { to_world };
         let places = instances(node, input)?.unwrap_or_else(|| vec![DMat4::IDENTITY]);
         extensions::report_unread(&mesh, output)?;
+        let name = node.text("name")?.or(mesh.text("name")?).unwrap_or_default();
         for primitive in mesh.objects("primitives")? {
             let material = materials.of(&primitive, input, output)?;
             let file = self.files.file(&primitive, material.wish, input, output)?;
@@ -189,7 +192,7 @@ impl<'d> Contents<'d> {
                 let Some(file) = file.clone() else { break };
                 let (material, location) = (material.clone(), node.location());
                 self.include(file.bounds, to_world);
-                self.placements.push(Placement { file, material, location, to_world });
+                self.placements.push(Placement { file, material, name: name.to_owned(), location, to_world });
             }
         }
         Ok(())
@@ -213,7 +216,7 @@ impl<'d> Contents<'d> {
         }
         let mut groups: HashMap<(&str, &str), String> = HashMap::new();
         for placement in &placements {
-            let Placement { file, material, location, to_world } = placement;
+            let Placement { file, material, name, location, to_world } = placement;
             let key = (file.name.as_str(), material.id.as_str());
             if (uses[&key] - 1) * file.triangles <= MOST_COPIED {
                 self.shapes.push(placement.shape().keeping_outside(*to_world).with_place(*to_world));
@@ -229,7 +232,7 @@ impl<'d> Contents<'d> {
                     self.shapes.push(Draft { id: next.clone(), ..group.with_child("", placement.shape()) });
                     next
                 });
-                let instance = Draft::new(PluginClass::Shape, "instance", location).with_reference(id);
+                let instance = Draft::new(PluginClass::Shape, "instance", location).called(name).with_reference(id);
                 self.shapes.push(instance.with_place(*to_world));
             }
         }
@@ -251,7 +254,9 @@ fn lights_nothing(emitter: &Draft) -> bool {
 impl Placement {
     /// The shape in its own space.
     fn shape(&self) -> Draft {
-        let shape = Draft::new(PluginClass::Shape, "ply", &self.location).with_text("filename", &self.file.name);
+        let shape = Draft::new(PluginClass::Shape, "ply", &self.location)
+            .called(&self.name)
+            .with_text("filename", &self.file.name);
         let shape = if self.file.flat { shape.with_flag("face_normals", true) } else { shape };
         let shape = shape.with_reference(&self.material.id);
         let shape = match &self.material.interior {

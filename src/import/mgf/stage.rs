@@ -131,7 +131,7 @@ impl Stage {
         let name: String = name.unwrap_or("without a name").chars().take(80).collect();
         let mut writer = Writer { name: &name, location: &location, notices: &mut self.notices };
         let id = format!("{name}-{place}");
-        let bsdf = Draft { id: id.clone(), ..writer.bsdf(material) };
+        let bsdf = Draft { id: id.clone(), ..writer.bsdf(material) }.called(&name);
         let radiance = self.radiance(material, &name, &location);
         let two_sided = material.two_sided;
         self.surfaces.push(Surface { id, bsdf, radiance, two_sided, mesh: Mesh::default() });

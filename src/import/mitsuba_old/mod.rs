@@ -252,8 +252,7 @@ impl Draft {
 
     /// A new plugin without parameters that stands where this one does.
     fn beside(&self, class: PluginClass, plugin: &str) -> Draft {
-        let (parameters, children, location) = (Vec::new(), Vec::new(), self.location.clone());
-        Draft { class, plugin: plugin.to_owned(), id: String::new(), parameters, children, location }
+        Draft::new(class, plugin, &self.location)
     }
 
     fn push_plugin(&mut self, plugin: Draft) {

@@ -77,6 +77,8 @@ pub(super) fn read(
     };
     let textured = reader.textured;
     output.report_unused(&format!("material {}", shown(kind)), parameters)?;
+    // Without a name of its own a material is called by its kind, as others are.
+    let bsdf = if name == kind { bsdf } else { bsdf.called(name) };
     Ok(Material { id: output.define("material", name, bsdf)?, textured })
 }
 

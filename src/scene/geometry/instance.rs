@@ -136,6 +136,8 @@ struct Group {
 pub(super) struct Instances {
     tree: BoxTree,
     instances: Vec<Instance>,
+    /// Their places in the order of the scene.
+    order: Vec<u32>,
     groups: Vec<Group>,
 }
 
@@ -159,7 +161,7 @@ impl Instances {
         let boxes = instances.iter().map(|instance| instance.bounds(groups[instance.group as usize].geometry.bounds()));
         let (tree, order) = BoxTree::build(boxes);
         let instances = order.iter().map(|index| instances[*index as usize]).collect();
-        Self { tree, instances, groups }
+        Self { tree, instances, order, groups }
     }
 
     /// Smallest and largest coordinates of all instances, m.
@@ -177,6 +179,11 @@ impl Instances {
         let of_groups: Vec<Option<(Vec3, Vec3)>> = self.groups.iter().map(around).collect();
         let placed = |instance: &Instance| of_groups[instance.group as usize].map(|found| instance.bounds(found));
         self.instances.iter().filter_map(placed).collect()
+    }
+
+    /// The place in the order of the scene of an instance in tree order.
+    pub(super) fn place_in_scene(&self, instance: u32) -> usize {
+        self.order[instance as usize] as usize
     }
 
     fn group(&self, instance: &Instance) -> &Group {

@@ -231,6 +231,16 @@ impl Geometry {
         (center, center.distance(self.high).max(f32::MIN_POSITIVE) * 1.0001)
     }
 
+    /// The object that a hit is on: its shape's index, or that of its instance in the order of the scene after all shapes.
+    pub fn object(&self, hit: &Interaction) -> usize {
+        match &self.instances {
+            Some(instances) if hit.instance != NO_INSTANCE => {
+                self.shapes.len() + instances.place_in_scene(hit.instance)
+            }
+            _ => self.info[hit.primitive as usize].shape as usize,
+        }
+    }
+
     /// Records that `shape` carries `light`.
     pub fn set_light(&mut self, shape: usize, light: u32) {
         self.shapes[shape].light = light;

@@ -10,6 +10,7 @@ use super::checks::check_reach;
 use super::shapes::{MERGE, OF_DERIVATIVES, members};
 use super::{Builder, Fields, Geometry, Node, PluginClass, SceneError};
 use crate::scene::geometry::Instance;
+use crate::scene::names::{Name, given_name};
 
 /// The plugins that are read here, not by the table of shapes.
 pub(super) const PLUGINS: [&str; 2] = ["shapegroup", "instance"];
@@ -21,12 +22,24 @@ pub(super) struct Instancing {
     /// Groups by the address of their node.
     group_of_node: HashMap<*const Node, u32>,
     instances: Vec<Instance>,
+    /// What they are called.
+    names: Vec<Name>,
 }
 
 impl Instancing {
     /// Whether nothing was placed.
     pub(super) fn is_empty(&self) -> bool {
         self.instances.is_empty()
+    }
+
+    /// How many instances there are.
+    pub(super) fn count(&self) -> usize {
+        self.instances.len()
+    }
+
+    /// What the instances are called.
+    pub(super) fn take_names(&mut self) -> Vec<Name> {
+        std::mem::take(&mut self.names)
     }
 
     /// Adds what was placed to the scene's other surfaces.
@@ -91,6 +104,9 @@ impl Builder<'_> {
         fields.ignore(&[OF_DERIVATIVES]);
         let bounds = instance.bounds(self.instancing.groups[group as usize].bounds());
         check_reach(node, std::iter::once(bounds))?;
+        // Instances without a name of their own share the group's, so that a forest is selected at once.
+        let name = self.object_name(if given_name(node).is_empty() { given_name(shape) } else { given_name(node) });
+        self.instancing.names.push(name);
         self.instancing.instances.push(instance);
         fields.finish()
     }

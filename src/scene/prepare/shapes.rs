@@ -16,6 +16,7 @@ use crate::scene::geometry::surface::SEEN_ONLY;
 use crate::scene::geometry::transform::ToWorld;
 use crate::scene::light::area::Emission;
 use crate::scene::light::directional_area::is_flat;
+use crate::scene::names::{Name, given_name};
 use crate::scene::notice::Notice;
 use crate::scene::unsupported::unknown_plugin;
 
@@ -37,7 +38,15 @@ impl Builder<'_> {
             self.area_lights.push(AreaLightShape { shape, emission, name: node.id.clone() });
         }
         self.shapes.push((shape, geometry));
+        let name = self.object_name(given_name(node));
+        self.shape_names.push(name);
         Ok(())
+    }
+
+    /// The name of the next object of the scene.
+    pub(super) fn object_name(&self, given: &str) -> Name {
+        let before = self.shape_names.len() + self.instancing.count();
+        Name { given: given.to_owned(), number: before as u32 + 1 }
     }
 
     /// A shape that is made of primitives, and what it emits.

@@ -1,6 +1,7 @@
 //! Picture files: what is written can be read again, is always the same, and never replaces a good file by half a one.
 
 mod camera_matrices;
+mod cryptomatte;
 mod display;
 mod exr_header;
 mod half_precision;

@@ -952,6 +952,10 @@ class Layout(BaseModel):
     Where the camera and the lights of a job's scene stand. Matrices go by rows, for row vectors: (x, y, z, 1) is multiplied from the left.
     """
 
+    first_pixel: list[Annotated[int, Field(ge=0)]]
+    """
+    Column and row of the whole film at which the job's picture begins: 0, 0 but for crop windows. `scene_changes.crop` counts from the film's first.
+    """
     lights: list[LightView]
     """
     Lights that have a place, those of most power first, at most 500. Skies, suns and beams have none.

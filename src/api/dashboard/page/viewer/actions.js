@@ -4,6 +4,7 @@ import { element } from '../elements/dom.js';
 import { nextCurve, resetLook } from './controls.js';
 import { LAYERS } from './layers.js';
 import { changeLook, look } from './look.js';
+import { leaveRegion, pressRegion } from './region.js';
 import { actualSize, changeComparison, changeLayer, fit, pan, viewer, zoomBy } from './viewer.js';
 
 // The functions that the table of keys names. `openNeighbour` and `help` belong to the page.
@@ -28,6 +29,8 @@ export function viewerActions({ openNeighbour, help }) {
     compare: mode => changeComparison({ mode }),
     flip: () => changeComparison({ mode: 'flip', showsOther: viewer.comparison.mode === 'flip' && !viewer.comparison.showsOther }),
     split: step => changeComparison({ mode: 'slider', split: Math.min(Math.max(viewer.comparison.split + step, 0), 1) }),
+    region: pressRegion,
+    leaveRegion,
     find: () => element('text-filter').focus(),
     help,
   };

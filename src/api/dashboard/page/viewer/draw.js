@@ -9,7 +9,8 @@ import { short } from '../elements/numbers.js';
 export const NUMBERS_FROM = 52;
 const CHANNEL_COLORS = { R: '#ff9a8f', G: '#9be08a', B: '#9fc4ff', X: '#ff9a8f', Y: '#f2f2f2', Z: '#9fc4ff' };
 
-// `frame` has: `context`, `screen`, `ratio` (device pixels of a CSS pixel), `view`, `layer`, `scale`, `sources` (one or two) and `comparison`.
+// `frame` has: `context`, `screen`, `ratio` (device pixels of a CSS pixel), `view`, `layer`, `scale`, `sources` (one or two),
+// `inset` (a `source` with a `view` of its own, or null) and `comparison`.
 export function drawFrame(frame) {
   const {
     context,
@@ -25,6 +26,30 @@ export function drawFrame(frame) {
   else if (comparison.mode === 'flip') drawPicture(frame, comparison.showsOther ? second : first);
   else drawSplit(frame);
   drawNumbers(frame, second && comparison.mode === 'flip' && comparison.showsOther ? second : first);
+  if (frame.inset) drawInset(frame, frame.inset);
+}
+
+// Another job's picture over a part of the first one, with a border of one pixel of the screen.
+function drawInset(frame, { source, view }) {
+  if (!source.overview) return;
+  const own = { ...frame, view };
+  drawPicture(own, source);
+  drawNumbers(own, source);
+  const { context, screen, ratio } = frame;
+  const [from, to] = [toScreen(view, screen, { x: 0, y: 0 }), toScreen(view, screen, { x: source.size.width, y: source.size.height })];
+  outlineRectangle(context, from, to, ratio);
+}
+
+// A rectangle that is seen on any picture.
+export function outlineRectangle(context, from, to, ratio) {
+  context.lineWidth = ratio;
+  for (const [color, outside] of [
+    ['rgb(0 0 0 / 75%)', 1.5 * ratio],
+    ['#ffffff', ratio / 2],
+  ]) {
+    context.strokeStyle = color;
+    context.strokeRect(from.x - outside, from.y - outside, to.x - from.x + 2 * outside, to.y - from.y + 2 * outside);
+  }
 }
 
 function drawSplit(frame) {

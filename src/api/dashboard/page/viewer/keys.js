@@ -22,6 +22,8 @@ export const KEYS = [
   ['Shift+ArrowDown', 'Shift+↓', 'move down', 'pan', [0, -80]],
   ['1', '1 … 9', 'color, radius, photons, error, albedo, normal, depth, denoised, its error', 'layer', 0],
   ...[1, 2, 3, 4, 5, 6, 7, 8].map(index => [String(index + 1), null, null, 'layer', index]),
+  ['b', 'B', 'a region to be rendered first; again, or Enter, renders it', 'region'],
+  ['Escape', 'Esc', 'take the region away', 'leaveRegion'],
   ['n', 'N', 'next job of the list', 'job', 1],
   ['p', 'P', 'previous job', 'job', -1],
   ['ArrowDown', '↓ or →', 'next job', 'job', 1],

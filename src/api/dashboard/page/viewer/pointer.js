@@ -7,12 +7,14 @@ const LINE_REACH = 12;
 const STILL = 4;
 
 // `actions` has: `move(distance)`, `zoom(at, factor)`, `point(at or null)`, `click(at)`, `split(share)`, and `lineAt()`, which answers the line's x
-// or null. All in CSS pixels of the canvas.
+// or null; `isSelecting()`, and while it is so, `select(from, to, isDone)`. All in CSS pixels of the canvas.
 export function followPointer(canvas, actions) {
   const pointers = new Map();
   let holdsLine = false;
   // Where a pointer went down that may become a click.
   let pressed = null;
+  // Where a pointer went down that drags a rectangle.
+  let corner = null;
   const place = event => {
     const box = canvas.getBoundingClientRect();
     return { x: event.clientX - box.left, y: event.clientY - box.top };
@@ -31,8 +33,9 @@ export function followPointer(canvas, actions) {
     canvas.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, place(event));
     pressed = pointers.size === 1 && event.button === 0 ? place(event) : null;
+    corner = pressed && actions.isSelecting() ? pressed : null;
     const line = actions.lineAt();
-    holdsLine = pointers.size === 1 && line !== null && Math.abs(place(event).x - line) < LINE_REACH;
+    holdsLine = !corner && pointers.size === 1 && line !== null && Math.abs(place(event).x - line) < LINE_REACH;
   });
   canvas.addEventListener('pointermove', event => {
     const at = place(event);
@@ -40,7 +43,8 @@ export function followPointer(canvas, actions) {
     const before = pointers.get(event.pointerId);
     if (!before) return;
     if (pressed && Math.hypot(at.x - pressed.x, at.y - pressed.y) > STILL) pressed = null;
-    if (holdsLine) actions.split(at.x / canvas.clientWidth);
+    if (corner) actions.select(corner, at, false);
+    else if (holdsLine) actions.split(at.x / canvas.clientWidth);
     else if (pointers.size === 1) actions.move({ x: at.x - before.x, y: at.y - before.y });
     else pinch(pointers, event.pointerId, at, actions);
     pointers.set(event.pointerId, at);
@@ -48,10 +52,15 @@ export function followPointer(canvas, actions) {
   const release = event => pointers.delete(event.pointerId);
   canvas.addEventListener('pointerup', event => {
     release(event);
-    if (pressed && !holdsLine) actions.click(pressed);
-    pressed = null;
+    // Who did not drag has selected nothing.
+    if (corner && !pressed) actions.select(corner, place(event), true);
+    if (pressed && !corner && !holdsLine) actions.click(pressed);
+    [pressed, corner] = [null, null];
   });
-  canvas.addEventListener('pointercancel', release);
+  canvas.addEventListener('pointercancel', event => {
+    release(event);
+    [pressed, corner] = [null, null];
+  });
   canvas.addEventListener('pointerleave', () => actions.point(null));
 }
 

@@ -9,13 +9,15 @@ const DIGITS = 7;
 const SHORT_DIGITS = 5;
 const HALF_DIGITS = 4;
 
-export function showReadout({ view, ratio, pixel, sources }) {
+export function showReadout({ view, ratio, pixel, sources, inset }) {
   setText(element('zoom'), sources.length ? `${short(100 * view.zoom, 3)} %` : '');
   const at = { x: Math.floor(pixel.x), y: Math.floor(pixel.y) };
-  const found = sources.map(source => source.valueAt(at)).filter(Boolean);
+  // What lies over the picture is what is seen.
+  const ofInset = inset?.source.valueAt({ x: at.x - inset.x, y: at.y - inset.y });
+  const found = ofInset ? [ofInset] : sources.map(source => source.valueAt(at)).filter(Boolean);
   const names = found.length > 1 ? ['A ', 'B '] : [''];
   const values = found.map((value, index) => names[index] + valueText(value, found.length > 1 ? SHORT_DIGITS : DIGITS));
-  setText(element('readout'), found.length ? [`${at.x}, ${at.y}`, ...values, blockText(found[0])].filter(Boolean).join('   ') : '');
+  setText(element('readout'), found.length ? [`${at.x}, ${at.y}`, ...values, blockText(found[0]), ofInset ? 'of the region' : ''].filter(Boolean).join('   ') : '');
   element('picture').style.cursor = view.zoom > 8 * ratio ? 'crosshair' : 'grab';
 }
 

@@ -25,14 +25,17 @@ export const viewer = {
   // `null` fits the picture to the window.
   view: null,
   sources: [],
+  // Another job's picture over a part of this one: `{ source, job, x, y }`, with the pixel at which it begins.
+  inset: null,
   comparison: { mode: 'slider', split: 0.5, showsOther: false },
   pointer: null,
 };
 
 let isPlanned = false;
-// What else wants to know of clicks, and draws over the picture.
+// What else wants to know of clicks and rectangles, and draws over the picture.
 let clicked = () => {};
-let drawOver = () => {};
+let selection = { isSelecting: () => false };
+const drawnOver = [];
 
 export function startViewer() {
   onLook(redraw);
@@ -47,6 +50,8 @@ export function startViewer() {
       redraw();
     },
     click: at => clicked(pixelAt(at), currentView().zoom / ratio()),
+    isSelecting: () => selection.isSelecting(),
+    select: (from, to, isDone) => selection.select(pixelAt(from), pixelAt(to), isDone),
     split: share => changeComparison({ split: Math.min(Math.max(share, 0), 1) }),
     lineAt: () => (isSplit() ? viewer.comparison.split * canvas.clientWidth : null),
   });
@@ -57,10 +62,13 @@ export const onClick = listener => {
   clicked = listener;
 };
 
-// `draw` is called with every frame that is drawn, to draw over it.
-export const onDrawn = draw => {
-  drawOver = draw;
+// While `isSelecting()`, dragging does not move the picture but calls `select(from, to, isDone)` with places in pixels of the picture.
+export const onSelect = listener => {
+  selection = listener;
 };
+
+// `draw` is called with every frame that is drawn, to draw over it.
+export const onDrawn = draw => drawnOver.push(draw);
 
 // Shows a job, and beside it the one it is compared with. Another job's picture is never left there: its source goes with it.
 export function showPicture(job, other) {
@@ -71,6 +79,14 @@ export function showPicture(job, other) {
   const isOtherSize = job && viewer.job && (job.width !== viewer.job.width || job.height !== viewer.job.height);
   if (!job || isOtherSize) viewer.view = null;
   Object.assign(viewer, { job, other: fits ? other : null, sources: shown.filter(Boolean) });
+  redraw();
+}
+
+// Lays a job's picture over that which is shown, from a pixel of it on; without a job there is none.
+export function showInset(job, { x, y } = {}) {
+  const source = sourceFor(viewer.inset?.source, job);
+  if (viewer.inset && viewer.inset.source !== source) viewer.inset.source.close();
+  viewer.inset = job && { source, job, x, y };
   redraw();
 }
 
@@ -85,6 +101,7 @@ function sourceFor(source, job) {
 export function changeLayer(layer) {
   viewer.layer = layer;
   showPicture(viewer.job, viewer.other);
+  if (viewer.inset) showInset(viewer.inset.job, viewer.inset);
 }
 
 export function changeComparison(changes) {
@@ -111,6 +128,13 @@ const isSplit = () => viewer.sources.length > 1 && viewer.comparison.mode === 's
 
 const pixelAt = ({ x, y }) => toPicture(currentView(), screen(), { x: x * ratio(), y: y * ratio() });
 
+// What is seen of the picture around the middle of the view, as a share of the view's sides: two corners in pixels of the picture.
+export function middlePart(share) {
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  const corner = side => pixelAt({ x: (width * (1 + side * share)) / 2, y: (height * (1 + side * share)) / 2 });
+  return [corner(-1), corner(1)];
+}
+
 // The place in the middle of the view, in pixels of the picture.
 export const middlePixel = () => pixelAt({ x: canvas.clientWidth / 2, y: canvas.clientHeight / 2 });
 
@@ -136,14 +160,23 @@ function draw() {
   const canScale = usesScale(layer) && overview && (!isDifference || otherOverview);
   const scale = canScale ? currentScale(layer, overview, isDifference ? otherOverview : null) : null;
   const pixel = viewer.pointer ? pixelAt(viewer.pointer) : middlePixel();
-  const frame = { context, screen: screen(), ratio: ratio(), view, layer, scale, sources, comparison, pixel };
+  const frame = { context, screen: screen(), ratio: ratio(), view, layer, scale, sources, inset: insetIn(view), comparison, pixel };
   drawFrame(frame);
-  if (sources.length) drawOver(frame);
+  if (sources.length) drawnOver.forEach(drawOver => drawOver(frame));
   showNote();
   showReadout(frame);
   showControls(viewer, scale);
   showHistogram(sources[0], layer);
   showComparison(viewer);
+}
+
+// The inset with the view in which it lies at its place; two pictures that are compared have none.
+function insetIn(view) {
+  const { inset, sources } = viewer;
+  if (!inset || sources.length !== 1) return null;
+  const own = { center: { x: view.center.x - inset.x, y: view.center.y - inset.y }, zoom: view.zoom };
+  wantTiles(inset.source, own, inset.job);
+  return { ...inset, view: own };
 }
 
 function wantTiles(source, view, job) {
