@@ -85,7 +85,7 @@ const FILES: &[(&str, &str, &str)] = &[
 ];
 
 /// The page and its parts; it reads the API itself and loads nothing else.
-pub fn routes() -> Router {
+pub(crate) fn routes() -> Router {
     let file = |media_type: &'static str, text: &'static str| {
         get(move || async move { ([(header::CONTENT_TYPE, media_type)], text).into_response() })
     };

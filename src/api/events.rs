@@ -44,7 +44,7 @@ fn keep_alive() -> KeepAlive {
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn job_events(
+pub(crate) async fn job_events(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     PathValue(id): PathValue<String>,
@@ -95,7 +95,7 @@ fn status_events(following: Following) -> impl Stream<Item = Result<Event, Infal
 /// What an event of the stream of all jobs holds; its name says which of these.
 #[derive(Clone, Debug, Serialize, ToSchema)]
 #[serde(untagged)]
-pub enum FarmEvent {
+pub(crate) enum FarmEvent {
     /// `status`: a job as it is now.
     Status(Box<JobView>),
     /// `deleted`: a job that is gone.
@@ -106,14 +106,14 @@ pub enum FarmEvent {
 
 /// A job that was deleted.
 #[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct DeletedJob {
+pub(crate) struct DeletedJob {
     /// Its id.
     pub id: String,
 }
 
 /// Nothing but that what was known before is to be forgotten.
 #[derive(Clone, Debug, Serialize, ToSchema)]
-pub struct Reset {}
+pub(crate) struct Reset {}
 
 impl FarmEvent {
     fn name(&self) -> &'static str {
@@ -133,7 +133,7 @@ impl FarmEvent {
     responses((status = 200, description = "Events named status, deleted and reset, each with what that says", body = FarmEvent,
         content_type = "text/event-stream"))
 )]
-pub async fn all_events(
+pub(crate) async fn all_events(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     headers: HeaderMap,

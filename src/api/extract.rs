@@ -13,16 +13,16 @@ use super::unique_keys::UniqueKeys;
 use crate::farm::ids::{BadJobId, JobId};
 
 /// A JSON body.
-pub struct JsonBody<T>(pub T);
+pub(crate) struct JsonBody<T>(pub T);
 
 /// Any body as it came.
-pub struct RawBody(pub Bytes);
+pub(crate) struct RawBody(pub Bytes);
 
 /// A value in the address.
-pub struct PathValue<T>(pub T);
+pub(crate) struct PathValue<T>(pub T);
 
 /// The values after the `?`.
-pub struct QueryValues<T>(pub T);
+pub(crate) struct QueryValues<T>(pub T);
 
 // Not by way of axum's `Json`, whose errors do not give the line and the column.
 impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for JsonBody<T> {
@@ -74,6 +74,6 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for QueryValues<T>
 
 /// A job's id in the address; a text that cannot be one is no job.
 #[expect(clippy::result_large_err, reason = "made at most once a request")]
-pub fn parse_job(text: &str) -> Result<JobId, Problem> {
+pub(crate) fn parse_job(text: &str) -> Result<JobId, Problem> {
     text.parse().map_err(|BadJobId(text)| Problem::unknown_job(&text))
 }

@@ -16,21 +16,25 @@ use crate::farm::http::bearer::{bearer, text};
 use crate::farm::ids::JobId;
 
 /// The cookie by which the page stays logged in. Its value is a token.
-pub const COOKIE: &str = "photonfarm_session";
+pub(crate) const COOKIE: &str = "photonfarm_session";
 
 /// For what everybody may look at, and those who submit may change.
-pub async fn read_or_submit(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
+pub(crate) async fn read_or_submit(
+    State(state): State<ApiState>,
+    request: Request,
+    next: Next,
+) -> Result<Response, Problem> {
     let is_reading = [Method::GET, Method::HEAD].contains(request.method());
     pass(&state, if is_reading { Scope::Read } else { Scope::Submit }, request, next).await
 }
 
 /// For what every user may do.
-pub async fn users(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
+pub(crate) async fn users(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
     pass(&state, Scope::Read, request, next).await
 }
 
 /// For what only admins may do.
-pub async fn admins(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
+pub(crate) async fn admins(State(state): State<ApiState>, request: Request, next: Next) -> Result<Response, Problem> {
     pass(&state, Scope::Admin, request, next).await
 }
 
@@ -43,23 +47,23 @@ async fn pass(state: &ApiState, needed: Scope, mut request: Request, next: Next)
 }
 
 /// The token of a request: its own, or the one in the page's cookie.
-pub fn token(headers: &HeaderMap) -> Option<&str> {
+pub(crate) fn token(headers: &HeaderMap) -> Option<&str> {
     bearer(headers).or_else(|| session(headers))
 }
 
 /// The token in the page's cookie.
-pub fn session(headers: &HeaderMap) -> Option<&str> {
+pub(crate) fn session(headers: &HeaderMap) -> Option<&str> {
     cookie_named(headers, COOKIE)
 }
 
 /// What a cookie holds.
-pub fn cookie_named<'a>(headers: &'a HeaderMap, wanted: &str) -> Option<&'a str> {
+pub(crate) fn cookie_named<'a>(headers: &'a HeaderMap, wanted: &str) -> Option<&'a str> {
     let cookies = text(headers, header::COOKIE)?.split(';').filter_map(|cookie| cookie.trim().split_once('='));
     cookies.into_iter().find(|(name, _)| *name == wanted).map(|(_, value)| value)
 }
 
 /// The job in the address, which the caller may change: it is their own, or they are an admin.
-pub struct OwnJob(pub JobId);
+pub(crate) struct OwnJob(pub JobId);
 
 impl FromRequestParts<ApiState> for OwnJob {
     type Rejection = Problem;

@@ -15,14 +15,14 @@ use crate::farm::rules::terms::ErrorPoint;
 
 /// How a job's error fell.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct History {
+pub(crate) struct History {
     /// Oldest first; empty while nothing was estimated.
     pub points: Vec<HistoryPoint>,
 }
 
 /// An estimate and when it was made.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, ToSchema)]
-pub struct HistoryPoint {
+pub(crate) struct HistoryPoint {
     /// Seconds that the job had been running.
     pub seconds: f64,
     /// Passes merged then.
@@ -55,7 +55,7 @@ impl From<ErrorPoint> for HistoryPoint {
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn history(
+pub(crate) async fn history(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     headers: HeaderMap,

@@ -1,6 +1,6 @@
 //! A job's picture at any time, for eyes and as EXR, with an ETag so that an unchanged one is not sent twice.
 
-pub mod display;
+pub(crate) mod display;
 
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
@@ -21,12 +21,12 @@ use crate::farm::rules::terms::ErrorPoint;
 use crate::farm::{FarmError, LayeredPicture};
 
 /// The header that tells relMSE of a denoised picture.
-pub const DENOISED_RELMSE: &str = "photonfarm-denoised-relmse";
+pub(crate) const DENOISED_RELMSE: &str = "photonfarm-denoised-relmse";
 
 /// What the EXR holds.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ExrQuery {
+pub(crate) struct ExrQuery {
     /// Names of further layers, separated by commas.
     #[serde(default)]
     pub layers: String,
@@ -72,7 +72,7 @@ impl IntoParams for ExrQuery {
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn image_exr(
+pub(crate) async fn image_exr(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     QueryValues(query): QueryValues<ExrQuery>,
@@ -113,7 +113,7 @@ pub async fn image_exr(
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn chart_svg(
+pub(crate) async fn chart_svg(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     headers: HeaderMap,
@@ -146,13 +146,13 @@ fn wanted_layers(list: &str) -> Result<Vec<Layer>, Problem> {
 }
 
 /// The problem about a matte where values are looked at or averaged.
-pub fn ids_only_in_exr(row: &LayerRow) -> Problem {
+pub(crate) fn ids_only_in_exr(row: &LayerRow) -> Problem {
     let detail = format!("layer {} holds ids, which are neither colors nor quantities", row.name);
     Problem::bad_request(detail, "fetch it in image.exr, and select names in a compositor")
 }
 
 /// What the header of an EXR says of a job, but for the camera, which the status does not tell.
-pub fn metadata_of(status: &JobStatus) -> PictureMetadata {
+pub(crate) fn metadata_of(status: &JobStatus) -> PictureMetadata {
     PictureMetadata {
         job: status.id.clone(),
         method: status.method.clone(),

@@ -21,7 +21,7 @@ use crate::farm::job::{JobStatus, Priority, StopRule};
 /// What of a job may change at any time. What is left out stays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct JobPatch {
+pub(crate) struct JobPatch {
     /// What people call it; an empty one is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
@@ -36,7 +36,7 @@ pub struct JobPatch {
 /// What a copy of a job has different. What is left out is as it was submitted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct CloneRequest {
+pub(crate) struct CloneRequest {
     /// Its method.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub method: Option<String>,
@@ -75,7 +75,7 @@ pub struct CloneRequest {
         (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn change_job(
+pub(crate) async fn change_job(
     State(state): State<ApiState>,
     OwnJob(id): OwnJob,
     headers: HeaderMap,
@@ -97,7 +97,7 @@ pub async fn change_job(
         (status = 409, description = "It pauses or has ended", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn pause_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
+pub(crate) async fn pause_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
     Ok(Json(state.coordinator.pause(id).await?.into()))
 }
 
@@ -111,7 +111,7 @@ pub async fn pause_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Res
         (status = 409, description = "It does not pause", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn resume_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
+pub(crate) async fn resume_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
     Ok(Json(state.coordinator.resume(id).await?.into()))
 }
 
@@ -127,7 +127,7 @@ pub async fn resume_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Re
         (status = 422, description = "The end is not later", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn extend_job(
+pub(crate) async fn extend_job(
     State(state): State<ApiState>,
     OwnJob(id): OwnJob,
     JsonBody(stop): JsonBody<StopRule>,
@@ -152,7 +152,7 @@ pub async fn extend_job(
         (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn clone_job(
+pub(crate) async fn clone_job(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     preferences: Preferences,
@@ -184,7 +184,7 @@ pub async fn clone_job(
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn delete_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<StatusCode, Problem> {
+pub(crate) async fn delete_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<StatusCode, Problem> {
     state.coordinator.delete(id).await?;
     Ok(StatusCode::NO_CONTENT)
 }

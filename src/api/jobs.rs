@@ -26,7 +26,7 @@ use crate::farm::job::{JobFilter, JobRequest, JobState, JobStatus, Priority, Sce
 /// A job to be made. Exactly one of `scene` and `scene_inline` is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct JobSubmission {
+pub(crate) struct JobSubmission {
     /// Hash of an uploaded scene, 64 hexadecimal digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
@@ -72,7 +72,7 @@ pub struct JobSubmission {
 
 /// A job's status with its addresses.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct JobView {
+pub(crate) struct JobView {
     /// How it is doing.
     #[serde(flatten)]
     pub status: JobStatus,
@@ -82,7 +82,7 @@ pub struct JobView {
 
 /// Addresses that belong to a job.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct JobLinks {
+pub(crate) struct JobLinks {
     /// The job itself.
     #[serde(rename = "self")]
     pub this: String,
@@ -102,7 +102,7 @@ pub struct JobLinks {
 
 /// Jobs that were asked for.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct JobList {
+pub(crate) struct JobList {
     /// Oldest first.
     pub jobs: Vec<JobView>,
     /// The id to ask for further jobs after; empty when these are all.
@@ -114,7 +114,7 @@ pub struct JobList {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub struct JobsQuery {
+pub(crate) struct JobsQuery {
     /// Only jobs in this state.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[param(inline)]
@@ -176,7 +176,7 @@ impl From<JobStatus> for JobView {
             content_type = "application/problem+json"),
     )
 )]
-pub async fn submit_job(
+pub(crate) async fn submit_job(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     preferences: Preferences,
@@ -193,7 +193,7 @@ pub async fn submit_job(
 
 /// What would become of a job.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct Validation {
+pub(crate) struct Validation {
     /// Hash of its scene.
     pub scene: String,
     /// Its method, `auto` where trials would choose it.
@@ -225,7 +225,7 @@ pub struct Validation {
         (status = 422, description = "Cannot be done", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn validate_job(
+pub(crate) async fn validate_job(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     JsonBody(mut submission): JsonBody<JobSubmission>,
@@ -306,7 +306,7 @@ fn parse_after(text: &str) -> Result<JobId, Problem> {
         (status = 400, description = "Unknown parameters", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn list_jobs(
+pub(crate) async fn list_jobs(
     State(state): State<ApiState>,
     QueryValues(query): QueryValues<JobsQuery>,
 ) -> Result<Json<JobList>, Problem> {
@@ -335,7 +335,7 @@ pub async fn list_jobs(
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn show_job(
+pub(crate) async fn show_job(
     State(state): State<ApiState>,
     preferences: Preferences,
     PathValue(id): PathValue<String>,
@@ -353,7 +353,7 @@ pub async fn show_job(
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn cancel_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
+pub(crate) async fn cancel_job(State(state): State<ApiState>, OwnJob(id): OwnJob) -> Result<Json<JobView>, Problem> {
     Ok(Json(state.coordinator.cancel(id).await?.into()))
 }
 

@@ -17,7 +17,7 @@ const MOST_LIGHTS: usize = 500;
 
 /// Where the camera and the lights of a job's scene stand. Matrices go by rows, for row vectors: (x, y, z, 1) is multiplied from the left.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct Layout {
+pub(crate) struct Layout {
     /// Column and row of the whole film at which the job's picture begins: 0, 0 but for crop windows. `scene_changes.crop` counts from the film's first.
     pub first_pixel: [u32; 2],
     /// From the world to the picture's right and up and the direction of view, m; left out where the camera stands nowhere.
@@ -35,7 +35,7 @@ pub struct Layout {
 
 /// A light that has a place.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct LightView {
+pub(crate) struct LightView {
     /// What the scene calls it; left out where it has no name.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub name: String,
@@ -74,7 +74,7 @@ impl From<SceneLayout> for Layout {
         (status = 429, description = "Too many scenes are taken in at once", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn layout(
+pub(crate) async fn layout(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     PathValue(id): PathValue<String>,

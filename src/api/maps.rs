@@ -20,7 +20,7 @@ use crate::farm::{FarmError, LayeredPicture};
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub struct MapQuery {
+pub(crate) struct MapQuery {
     /// A layer of `image.exr` or one of its channels (`radius`, `error`, `normal.X`); the picture's `luminance` by default.
     #[serde(default = "luminance")]
     pub layer: String,
@@ -36,7 +36,7 @@ pub struct MapQuery {
 /// How values are spread over the colors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Scale {
+pub(crate) enum Scale {
     /// Equal differences look alike.
     Linear,
     /// Equal ratios look alike.
@@ -89,7 +89,7 @@ impl MapQuery {
             content_type = "application/problem+json"),
     )
 )]
-pub async fn map_png(
+pub(crate) async fn map_png(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     QueryValues(query): QueryValues<MapQuery>,
@@ -116,7 +116,7 @@ pub async fn map_png(
             content_type = "application/problem+json"),
     )
 )]
-pub async fn map_svg(
+pub(crate) async fn map_svg(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     QueryValues(query): QueryValues<MapQuery>,

@@ -19,7 +19,7 @@ use crate::farm::coordinator::tokens::{NewToken, TokenRequest};
 /// A user to be added.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct NewUser {
+pub(crate) struct NewUser {
     /// How they are called.
     pub name: UserName,
     /// What they are.
@@ -29,14 +29,14 @@ pub struct NewUser {
 /// What of a user may change.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct UserPatch {
+pub(crate) struct UserPatch {
     /// What they are from now on.
     pub role: Role,
 }
 
 /// A user with a first token.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct AddedUser {
+pub(crate) struct AddedUser {
     /// The user.
     pub user: User,
     /// Their first token.
@@ -45,7 +45,7 @@ pub struct AddedUser {
 
 /// A new token. Its secret is shown this once.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct IssuedToken {
+pub(crate) struct IssuedToken {
     /// What to send as `Authorization: Bearer SECRET`.
     pub secret: String,
     /// What is known of it.
@@ -55,14 +55,14 @@ pub struct IssuedToken {
 
 /// All users.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct UserList {
+pub(crate) struct UserList {
     /// By name.
     pub users: Vec<User>,
 }
 
 /// Tokens without their secrets.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct TokenList {
+pub(crate) struct TokenList {
     /// Oldest first.
     pub tokens: Vec<TokenView>,
 }
@@ -86,7 +86,7 @@ fn parse_name(text: &str) -> Result<UserName, Problem> {
     get, path = "/users", tag = "users",
     responses((status = 200, description = "All users, by name", body = UserList))
 )]
-pub async fn list_users(State(state): State<ApiState>) -> Json<UserList> {
+pub(crate) async fn list_users(State(state): State<ApiState>) -> Json<UserList> {
     Json(UserList { users: state.coordinator.users() })
 }
 
@@ -102,7 +102,7 @@ pub async fn list_users(State(state): State<ApiState>) -> Json<UserList> {
         (status = 422, description = "Not a name or role", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn add_user(
+pub(crate) async fn add_user(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     JsonBody(new): JsonBody<NewUser>,
@@ -124,7 +124,7 @@ pub async fn add_user(
         (status = 422, description = "Not a role", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn change_user(
+pub(crate) async fn change_user(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     PathValue(name): PathValue<String>,
@@ -143,7 +143,7 @@ pub async fn change_user(
         (status = 409, description = "They are the only admin", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn delete_user(
+pub(crate) async fn delete_user(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     PathValue(name): PathValue<String>,
@@ -157,7 +157,10 @@ pub async fn delete_user(
     get, path = "/tokens", tag = "users",
     responses((status = 200, description = "Tokens without secrets, oldest first", body = TokenList))
 )]
-pub async fn list_tokens(State(state): State<ApiState>, Extension(caller): Extension<Caller>) -> Json<TokenList> {
+pub(crate) async fn list_tokens(
+    State(state): State<ApiState>,
+    Extension(caller): Extension<Caller>,
+) -> Json<TokenList> {
     Json(TokenList { tokens: state.coordinator.tokens(&caller) })
 }
 
@@ -174,7 +177,7 @@ pub async fn list_tokens(State(state): State<ApiState>, Extension(caller): Exten
         (status = 422, description = "Cannot be made", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn make_token(
+pub(crate) async fn make_token(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     JsonBody(wanted): JsonBody<TokenRequest>,
@@ -191,7 +194,7 @@ pub async fn make_token(
         (status = 404, description = "No such token", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn revoke_token(
+pub(crate) async fn revoke_token(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     PathValue(id): PathValue<String>,

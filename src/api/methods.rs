@@ -8,14 +8,14 @@ use crate::method::{self, MethodEntry, ParameterHelp};
 
 /// All methods.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct MethodList {
+pub(crate) struct MethodList {
     /// The first one is the default.
     pub methods: Vec<MethodView>,
 }
 
 /// One method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct MethodView {
+pub(crate) struct MethodView {
     /// The name to ask for.
     pub name: &'static str,
     /// What it does.
@@ -30,7 +30,7 @@ pub struct MethodView {
 
 /// One parameter of a method.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct ParameterView {
+pub(crate) struct ParameterView {
     /// Its name.
     pub name: &'static str,
     /// What it means, with its unit.
@@ -61,6 +61,6 @@ impl From<&ParameterHelp> for ParameterView {
     get, path = "/methods", tag = "jobs",
     responses((status = 200, description = "All methods, the default first", body = MethodList))
 )]
-pub async fn list_methods() -> Json<MethodList> {
+pub(crate) async fn list_methods() -> Json<MethodList> {
     Json(MethodList { methods: method::table().iter().map(MethodView::from).collect() })
 }

@@ -14,10 +14,10 @@ use utoipa::openapi::{ContentBuilder, Ref, ResponseBuilder};
     title = "photonfarm",
     description = "A distributed progressive-photon-mapping render service. Errors are application/problem+json.",
 ))]
-pub struct Description;
+pub(crate) struct Description;
 
 /// Says of every endpoint that any other answer is a problem: a coordinator that stops, a store that is full, a fault of ours.
-pub fn with_problems(mut description: utoipa::openapi::OpenApi) -> utoipa::openapi::OpenApi {
+pub(crate) fn with_problems(mut description: utoipa::openapi::OpenApi) -> utoipa::openapi::OpenApi {
     let content = ContentBuilder::new().schema(Some(Ref::from_schema_name("Problem"))).build();
     let problem = ResponseBuilder::new()
         .description("Another problem: 429 and 503 with Retry-After when it may succeed later, 500 for a fault of the coordinator")
@@ -33,7 +33,7 @@ pub fn with_problems(mut description: utoipa::openapi::OpenApi) -> utoipa::opena
 }
 
 /// Serves `description` at `/openapi.json` and `/v1/openapi.json`.
-pub fn routes(description: utoipa::openapi::OpenApi) -> Router {
+pub(crate) fn routes(description: utoipa::openapi::OpenApi) -> Router {
     let text: Arc<str> = (serde_json::to_string_pretty(&description).unwrap_or_default() + "\n").into();
     let answer = move || {
         let text = text.to_string();

@@ -44,7 +44,7 @@ const KEPT_BYTES: usize = 256 << 20;
 #[derive(Clone, Debug, PartialEq, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub struct PixelsQuery {
+pub(crate) struct PixelsQuery {
     /// `color` (the default), a layer of `image.exr`, or `light_group.NAME` for the light of one light group.
     #[serde(default = "color")]
     pub layer: String,
@@ -72,7 +72,7 @@ pub struct PixelsQuery {
 /// How a number is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "lowercase")]
-pub enum Format {
+pub(crate) enum Format {
     /// 32 bits.
     #[default]
     Float,
@@ -137,7 +137,7 @@ struct Part {
 }
 
 /// The values of a layer as they were at some time.
-pub struct Values {
+pub(crate) struct Values {
     /// The job then.
     status: JobStatus,
     /// Names of the channels.
@@ -222,7 +222,7 @@ impl Values {
 
 /// Values that were asked for not long ago.
 #[derive(Clone, Default)]
-pub struct PixelCache {
+pub(crate) struct PixelCache {
     kept: Arc<Mutex<Vec<Kept>>>,
     /// Whoever makes values holds it, so that many who ask at once wait for one.
     turn: Arc<tokio::sync::Mutex<()>>,
@@ -298,7 +298,7 @@ impl PixelCache {
         (status = 422, description = "No such layer, level or part", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn pixels(
+pub(crate) async fn pixels(
     State(state): State<ApiState>,
     Extension(cache): Extension<PixelCache>,
     PathValue(id): PathValue<String>,

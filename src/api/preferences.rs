@@ -21,7 +21,7 @@ const LONGEST_WAIT: u64 = 60;
 
 /// What a program says beside its request.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Preferences {
+pub(crate) struct Preferences {
     /// By what to know the request again.
     pub key: Option<IdempotencyKey>,
     /// How long to wait until a job has ended.
@@ -52,7 +52,7 @@ fn wait(headers: &HeaderMap) -> Option<Duration> {
 
 impl Preferences {
     /// A job when it has ended, or when the wait is over.
-    pub async fn wait_for(&self, state: &ApiState, id: JobId) -> Result<JobStatus, Problem> {
+    pub(crate) async fn wait_for(&self, state: &ApiState, id: JobId) -> Result<JobStatus, Problem> {
         if let Some(wait) = self.wait {
             let mut watched = state.coordinator.watch(id)?;
             let ended = timeout(wait, watched.wait_for(|status| status.state.is_final()));
@@ -63,7 +63,7 @@ impl Preferences {
     }
 
     /// A job as an answer, which says what of this was done and which version it is.
-    pub fn answer(&self, status: StatusCode, job: JobStatus) -> Response {
+    pub(crate) fn answer(&self, status: StatusCode, job: JobStatus) -> Response {
         let tag = version(&job);
         let mut response = (status, super::json_answer::Json(JobView::from(job))).into_response();
         let headers = response.headers_mut();
@@ -87,7 +87,7 @@ fn version(job: &JobStatus) -> String {
 }
 
 /// Whether a request means to change the version that there is.
-pub fn is_version_meant(job: &JobStatus, headers: &HeaderMap) -> bool {
+pub(crate) fn is_version_meant(job: &JobStatus, headers: &HeaderMap) -> bool {
     let Some(wanted) = text(headers, header::IF_MATCH) else { return true };
     let version = version(job);
     wanted.split(',').map(str::trim).any(|tag| tag == "*" || tag == version)

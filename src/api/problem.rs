@@ -18,7 +18,7 @@ use crate::scene::error::SceneError;
 
 /// Why a request was not met.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct Problem {
+pub(crate) struct Problem {
     /// What kind of problem, as `urn:photonfarm:problem:…`; stays the same between versions.
     #[serde(rename = "type")]
     pub kind: String,
@@ -41,7 +41,7 @@ pub struct Problem {
 
 impl Problem {
     /// A problem of the kind `urn:photonfarm:problem:{slug}`, titled by the slug's words.
-    pub fn new(status: StatusCode, slug: &str, detail: impl Into<String>) -> Self {
+    pub(crate) fn new(status: StatusCode, slug: &str, detail: impl Into<String>) -> Self {
         Self {
             kind: format!("urn:photonfarm:problem:{slug}"),
             title: slug.replace('-', " "),
@@ -54,24 +54,24 @@ impl Problem {
     }
 
     /// The same with a remedy; an empty one is none.
-    pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
+    pub(crate) fn remedy(mut self, remedy: impl Into<String>) -> Self {
         self.remedy = Some(remedy.into()).filter(|remedy| !remedy.is_empty());
         self
     }
 
     /// The same with a place.
-    pub fn place(mut self, place: impl Into<String>) -> Self {
+    pub(crate) fn place(mut self, place: impl Into<String>) -> Self {
         self.place = Some(place.into()).filter(|place| !place.is_empty());
         self
     }
 
     /// Something in a request that has the right form but an impossible value.
-    pub fn bad_request(detail: impl Into<String>, remedy: impl Into<String>) -> Self {
+    pub(crate) fn bad_request(detail: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad-request", detail).remedy(remedy)
     }
 
     /// A body that ends too early, or whose bytes stopped coming.
-    pub fn of_body(problem: &(dyn std::error::Error + 'static)) -> Self {
+    pub(crate) fn of_body(problem: &(dyn std::error::Error + 'static)) -> Self {
         let (status, slug) = if fell_silent(problem) {
             (StatusCode::REQUEST_TIMEOUT, "silent-body")
         } else {
@@ -81,31 +81,31 @@ impl Problem {
     }
 
     /// An endpoint that is not behind a guard, by a mistake of ours.
-    pub fn of_extension(rejection: ExtensionRejection) -> Self {
+    pub(crate) fn of_extension(rejection: ExtensionRejection) -> Self {
         Self::from(FarmError::Internal(rejection.body_text()))
     }
 
     /// No job has this id.
-    pub fn unknown_job(id: &str) -> Self {
+    pub(crate) fn unknown_job(id: &str) -> Self {
         Self::new(StatusCode::NOT_FOUND, "unknown-job", format!("there is no job \"{id}\""))
             .remedy("see GET /v1/jobs for the jobs there are")
     }
 
     /// The same with the time after which the request may be repeated.
-    pub fn retry_after(mut self, pause: Duration) -> Self {
+    pub(crate) fn retry_after(mut self, pause: Duration) -> Self {
         self.retry_after = Some(pause.as_secs().max(1));
         self
     }
 
     /// A body that should be JSON and is not said to be.
-    pub fn unsupported_media_type(media_type: &str) -> Self {
+    pub(crate) fn unsupported_media_type(media_type: &str) -> Self {
         let detail = format!("the body is said to be \"{media_type}\" where JSON is expected");
         Self::new(StatusCode::UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", detail)
             .remedy("send JSON with the header Content-Type: application/json")
     }
 
     /// The last word of the kind, for example `unknown-job`.
-    pub fn slug(&self) -> &str {
+    pub(crate) fn slug(&self) -> &str {
         self.kind.rsplit(':').next().unwrap_or_default()
     }
 }
@@ -267,13 +267,13 @@ impl From<QueryRejection> for Problem {
 }
 
 /// The answer to an address that does not exist.
-pub async fn not_found(uri: Uri) -> Problem {
+pub(crate) async fn not_found(uri: Uri) -> Problem {
     Problem::new(StatusCode::NOT_FOUND, "unknown-address", format!("there is nothing at {}", uri.path()))
         .remedy("see /v1/openapi.json for the addresses there are")
 }
 
 /// The answer to an address that exists but not for this HTTP method.
-pub async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
+pub(crate) async fn method_not_allowed(method: Method, uri: Uri) -> Problem {
     let detail = format!("{} does not take {method}", uri.path());
     Problem::new(StatusCode::METHOD_NOT_ALLOWED, "method-not-allowed", detail)
         .remedy("use a method that the header Allow names")

@@ -22,7 +22,7 @@ const PATIENCE: u32 = 600;
 
 /// How one logs in here.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct WaysToLogIn {
+pub(crate) struct WaysToLogIn {
     /// The provider at whose page one may log in; left out where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub provider: Option<String>,
@@ -31,7 +31,7 @@ pub struct WaysToLogIn {
 /// What a browser brings back.
 #[derive(Clone, Debug, Deserialize, IntoParams)]
 #[into_params(parameter_in = Query)]
-pub struct Return {
+pub(crate) struct Return {
     /// What it was sent away with.
     pub state: String,
     /// What the provider gave it.
@@ -42,7 +42,7 @@ pub struct Return {
 
 /// Tells how one logs in.
 #[utoipa::path(get, path = "/session", tag = "users", responses((status = 200, description = "Ways to log in", body = WaysToLogIn)))]
-pub async fn ways_to_log_in(State(state): State<ApiState>) -> Json<WaysToLogIn> {
+pub(crate) async fn ways_to_log_in(State(state): State<ApiState>) -> Json<WaysToLogIn> {
     let provider = state.coordinator.login_provider().map(|provider| provider.options().issuer.clone());
     Json(WaysToLogIn { provider })
 }
@@ -57,7 +57,7 @@ pub async fn ways_to_log_in(State(state): State<ApiState>) -> Json<WaysToLogIn> 
         (status = 502, description = "The provider does not answer", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn leave_for_provider(State(state): State<ApiState>) -> Result<Response, Problem> {
+pub(crate) async fn leave_for_provider(State(state): State<ApiState>) -> Result<Response, Problem> {
     let departure = provider(&state)?.begin().await?;
     let cookie = cookie(&state, &departure.state, PATIENCE);
     Ok((StatusCode::SEE_OTHER, [(header::LOCATION, departure.address), (header::SET_COOKIE, cookie)]).into_response())
@@ -77,7 +77,7 @@ pub async fn leave_for_provider(State(state): State<ApiState>) -> Result<Respons
         (status = 502, description = "The provider does not answer", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn return_from_provider(
+pub(crate) async fn return_from_provider(
     State(state): State<ApiState>,
     headers: HeaderMap,
     QueryValues(brought): QueryValues<Return>,

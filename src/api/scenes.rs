@@ -19,7 +19,7 @@ use crate::farm::access::caller::Caller;
 
 /// An uploaded scene.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct SceneView {
+pub(crate) struct SceneView {
     /// What is known of it.
     #[serde(flatten)]
     pub summary: SceneSummary,
@@ -29,7 +29,7 @@ pub struct SceneView {
 
 /// Addresses that belong to a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct SceneLinks {
+pub(crate) struct SceneLinks {
     /// The scene itself.
     #[serde(rename = "self")]
     pub this: String,
@@ -56,7 +56,7 @@ impl From<SceneSummary> for SceneView {
         (status = 422, description = "Cannot be rendered", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn upload_scene(
+pub(crate) async fn upload_scene(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     body: Body,
@@ -88,7 +88,7 @@ pub async fn upload_scene(
         (status = 404, description = "Never uploaded", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn show_scene(
+pub(crate) async fn show_scene(
     State(state): State<ApiState>,
     PathValue(hash): PathValue<String>,
 ) -> Result<Json<SceneView>, Problem> {
@@ -97,7 +97,7 @@ pub async fn show_scene(
 
 /// All uploaded scenes.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct SceneList {
+pub(crate) struct SceneList {
     /// By hash.
     pub scenes: Vec<SceneView>,
 }
@@ -107,7 +107,7 @@ pub struct SceneList {
     get, path = "/scenes", tag = "scenes",
     responses((status = 200, description = "All scenes, by hash", body = SceneList))
 )]
-pub async fn list_scenes(State(state): State<ApiState>) -> Json<SceneList> {
+pub(crate) async fn list_scenes(State(state): State<ApiState>) -> Json<SceneList> {
     Json(SceneList { scenes: state.coordinator.scenes().into_iter().map(SceneView::from).collect() })
 }
 
@@ -121,7 +121,7 @@ pub async fn list_scenes(State(state): State<ApiState>) -> Json<SceneList> {
         (status = 409, description = "A job refers to it", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn delete_scene(
+pub(crate) async fn delete_scene(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     PathValue(hash): PathValue<String>,

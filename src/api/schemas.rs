@@ -7,7 +7,7 @@ use utoipa::openapi::{RefOr, Schema};
 use utoipa::{PartialSchema, ToSchema};
 
 /// Bytes that are no text, as their media type says.
-pub struct Bytes;
+pub(crate) struct Bytes;
 
 impl PartialSchema for Bytes {
     fn schema() -> RefOr<Schema> {
@@ -19,7 +19,7 @@ impl PartialSchema for Bytes {
 impl ToSchema for Bytes {}
 
 /// A scene that stands in a request.
-pub struct InlineScene;
+pub(crate) struct InlineScene;
 
 impl PartialSchema for InlineScene {
     fn schema() -> RefOr<Schema> {
@@ -34,7 +34,7 @@ impl PartialSchema for InlineScene {
 impl ToSchema for InlineScene {}
 
 /// What is changed of a scene: [`crate::farm::job::SceneChanges`].
-pub struct Changes;
+pub(crate) struct Changes;
 
 impl PartialSchema for Changes {
     fn schema() -> RefOr<Schema> {

@@ -10,7 +10,7 @@ const PAGE: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img
 const DRAWING: &str = "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'";
 
 /// Adds these headers to an answer.
-pub async fn add(mut response: Response) -> Response {
+pub(crate) async fn add(mut response: Response) -> Response {
     let headers = response.headers_mut();
     let is_drawing = headers.get(header::CONTENT_TYPE).is_some_and(|kind| kind.as_bytes().starts_with(b"image/svg"));
     let fixed: [(HeaderName, &str); 6] = [

@@ -21,7 +21,7 @@ pub(super) const DAYS: u16 = 7;
 
 /// Who sent the request.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct Me {
+pub(crate) struct Me {
     /// Their name; left out while the coordinator has no users, and anyone may do everything.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub user: Option<UserName>,
@@ -38,14 +38,14 @@ impl From<&Caller> for Me {
 /// Somebody who wants to log in.
 #[derive(Clone, Debug, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct Login {
+pub(crate) struct Login {
     /// A token of theirs.
     pub token: String,
 }
 
 /// Tells who one is.
 #[utoipa::path(get, path = "/me", tag = "users", responses((status = 200, description = "Who sent the request", body = Me)))]
-pub async fn who_am_i(Extension(caller): Extension<Caller>) -> Json<Me> {
+pub(crate) async fn who_am_i(Extension(caller): Extension<Caller>) -> Json<Me> {
     Json(Me::from(&caller))
 }
 
@@ -60,7 +60,10 @@ pub async fn who_am_i(Extension(caller): Extension<Caller>) -> Json<Me> {
         (status = 422, description = "Nobody needs to log in", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn log_in(State(state): State<ApiState>, JsonBody(login): JsonBody<Login>) -> Result<Response, Problem> {
+pub(crate) async fn log_in(
+    State(state): State<ApiState>,
+    JsonBody(login): JsonBody<Login>,
+) -> Result<Response, Problem> {
     let caller = state.coordinator.caller(Some(&login.token))?;
     let new = state.coordinator.log_in(&caller, DAYS).await?;
     let cookie = cookie_for(new.secret.reveal(), state.coordinator.is_encrypted());
@@ -69,7 +72,7 @@ pub async fn log_in(State(state): State<ApiState>, JsonBody(login): JsonBody<Log
 
 /// Logs a page out.
 #[utoipa::path(delete, path = "/session", tag = "users", responses((status = 204, description = "Logged out")))]
-pub async fn log_out(State(state): State<ApiState>, headers: HeaderMap) -> Result<Response, Problem> {
+pub(crate) async fn log_out(State(state): State<ApiState>, headers: HeaderMap) -> Result<Response, Problem> {
     let caller = state.coordinator.caller(session(&headers))?;
     state.coordinator.log_out(&caller).await?;
     let cookie = cookie("", 0, state.coordinator.is_encrypted());

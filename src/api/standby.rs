@@ -14,7 +14,7 @@ use super::{security_headers, workers};
 const RETRY: Duration = Duration::from_secs(2);
 
 /// It lives, and does nothing.
-pub fn router() -> Router {
+pub(crate) fn router() -> Router {
     Router::new()
         .route("/healthz", get(workers::health))
         .route("/version", get(workers::version))

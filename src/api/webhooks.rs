@@ -18,14 +18,14 @@ const LONGEST: usize = 2000;
 /// A webhook to be added.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub struct NewWebhook {
+pub(crate) struct NewWebhook {
     /// Where messages are sent by POST, `https://…` or `http://…`.
     pub url: String,
 }
 
 /// A webhook without its key.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct WebhookView {
+pub(crate) struct WebhookView {
     /// What to call it.
     pub id: String,
     /// Where messages are sent.
@@ -36,7 +36,7 @@ pub struct WebhookView {
 
 /// A new webhook. Its key is shown this once.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct AddedWebhook {
+pub(crate) struct AddedWebhook {
     /// What is known of it.
     #[serde(flatten)]
     pub webhook: WebhookView,
@@ -46,7 +46,7 @@ pub struct AddedWebhook {
 
 /// All webhooks.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct WebhookList {
+pub(crate) struct WebhookList {
     /// Oldest first.
     pub webhooks: Vec<WebhookView>,
 }
@@ -63,7 +63,7 @@ impl From<Webhook> for WebhookView {
     get, path = "/webhooks", tag = "webhooks",
     responses((status = 200, description = "All webhooks, oldest first", body = WebhookList))
 )]
-pub async fn list_webhooks(State(state): State<ApiState>) -> Json<WebhookList> {
+pub(crate) async fn list_webhooks(State(state): State<ApiState>) -> Json<WebhookList> {
     Json(WebhookList { webhooks: state.coordinator.webhooks().into_iter().map(WebhookView::from).collect() })
 }
 
@@ -79,7 +79,7 @@ pub async fn list_webhooks(State(state): State<ApiState>) -> Json<WebhookList> {
         (status = 422, description = "Not an address", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn add_webhook(
+pub(crate) async fn add_webhook(
     State(state): State<ApiState>,
     JsonBody(new): JsonBody<NewWebhook>,
 ) -> Result<(StatusCode, Json<AddedWebhook>), Problem> {
@@ -105,7 +105,7 @@ pub async fn add_webhook(
         (status = 404, description = "No such webhook", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn delete_webhook(
+pub(crate) async fn delete_webhook(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
 ) -> Result<StatusCode, Problem> {

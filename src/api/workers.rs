@@ -17,14 +17,14 @@ use crate::farm::{FarmError, Limits};
 
 /// All workers.
 #[derive(Clone, Debug, PartialEq, Serialize, ToSchema)]
-pub struct WorkerList {
+pub(crate) struct WorkerList {
     /// By name.
     pub workers: Vec<WorkerStatus>,
 }
 
 /// That the coordinator answers.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct Health {
+pub(crate) struct Health {
     /// Always `ok`.
     pub status: &'static str,
     /// Version of the program.
@@ -38,7 +38,7 @@ pub struct Health {
     get, path = "/workers", tag = "workers",
     responses((status = 200, description = "All workers, by name", body = WorkerList))
 )]
-pub async fn list_workers(State(state): State<ApiState>) -> Json<WorkerList> {
+pub(crate) async fn list_workers(State(state): State<ApiState>) -> Json<WorkerList> {
     Json(WorkerList { workers: state.coordinator.workers() })
 }
 
@@ -51,7 +51,7 @@ pub async fn list_workers(State(state): State<ApiState>) -> Json<WorkerList> {
         (status = 404, description = "No such worker", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn drain_worker(
+pub(crate) async fn drain_worker(
     State(state): State<ApiState>,
     Extension(caller): Extension<Caller>,
     PathValue(id): PathValue<String>,
@@ -61,7 +61,7 @@ pub async fn drain_worker(
 
 /// Answers as long as the coordinator does.
 #[utoipa::path(get, path = "/healthz", tag = "health", responses((status = 200, description = "Well", body = Health)))]
-pub async fn health() -> Json<Health> {
+pub(crate) async fn health() -> Json<Health> {
     Json(Health { status: "ok", version: env!("CARGO_PKG_VERSION"), build: BUILD })
 }
 
@@ -73,13 +73,13 @@ pub async fn health() -> Json<Health> {
         (status = 503, description = "It stops, or stands by", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn readiness(State(state): State<ApiState>) -> Result<Json<Health>, Problem> {
+pub(crate) async fn readiness(State(state): State<ApiState>) -> Result<Json<Health>, Problem> {
     if state.coordinator.is_closed() { Err(FarmError::ShuttingDown.into()) } else { Ok(health().await) }
 }
 
 /// What this program is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, ToSchema)]
-pub struct Version {
+pub(crate) struct Version {
     /// Version of the program.
     pub version: &'static str,
     /// Version and a hash of everything that decides what the program computes. Only equal builds work on one picture.
@@ -88,26 +88,26 @@ pub struct Version {
 
 /// Tells version and build.
 #[utoipa::path(get, path = "/version", tag = "health", responses((status = 200, description = "The program", body = Version)))]
-pub async fn version() -> Json<Version> {
+pub(crate) async fn version() -> Json<Version> {
     Json(Version { version: env!("CARGO_PKG_VERSION"), build: BUILD })
 }
 
 /// Tells what is accepted here.
 #[utoipa::path(get, path = "/limits", tag = "health", responses((status = 200, description = "All limits", body = Limits)))]
-pub async fn limits(State(state): State<ApiState>) -> Json<Limits> {
+pub(crate) async fn limits(State(state): State<ApiState>) -> Json<Limits> {
     Json(state.coordinator.limits().clone())
 }
 
 /// Part of the journal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct Journal {
+pub(crate) struct Journal {
     /// Oldest first.
     pub lines: Vec<JournalLine>,
 }
 
 /// Something that happened on the farm.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-pub struct JournalLine {
+pub(crate) struct JournalLine {
     /// Its place in the journal; later lines have larger ones.
     pub sequence: i64,
     /// When, milliseconds since 1970.
@@ -126,7 +126,7 @@ pub struct JournalLine {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub struct JournalQuery {
+pub(crate) struct JournalQuery {
     /// Only lines after the one with this sequence number; 0 by default.
     #[serde(default)]
     pub after: i64,
@@ -147,7 +147,7 @@ const LINES: u16 = 1000;
         (status = 404, description = "No such job", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn journal(
+pub(crate) async fn journal(
     State(state): State<ApiState>,
     QueryValues(query): QueryValues<JournalQuery>,
 ) -> Result<Json<Journal>, Problem> {

@@ -34,7 +34,7 @@ const KNOWN_ALONE: f64 = 0.01;
 /// Errors in blocks of this many pixels on a side count as independent.
 const BLOCK: usize = 16;
 /// How often a bound holds.
-pub const CONFIDENCE: f64 = 0.95;
+pub(crate) const CONFIDENCE: f64 = 0.95;
 /// One-sided 95 % of a normal distribution, in standard deviations.
 const DEVIATIONS: f64 = 1.645;
 /// Y is at least this share of the picture, however large the bias.

@@ -6,19 +6,19 @@
 
 pub mod declaration;
 pub mod denoise;
-pub mod error;
-pub mod evenness;
+pub(crate) mod error;
+pub(crate) mod evenness;
 mod group_sums;
-pub mod merging;
-pub mod picture;
+pub(crate) mod merging;
+pub(crate) mod picture;
 pub mod picture_files;
 pub mod radius;
-pub mod reading;
-pub mod shard;
+pub(crate) mod reading;
+pub(crate) mod shard;
 mod shard_sums;
-pub mod shrinking;
+pub(crate) mod shrinking;
 pub mod snapshot;
-pub mod tally;
+pub(crate) mod tally;
 
 pub use declaration::{Declaration, PlaneDeclaration, PlaneRule, ScalarDeclaration, ScalarRule};
 pub use error::ErrorEstimate;

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What decides the radii of all pixels, row-major.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Radii {
+pub(crate) struct Radii {
     /// R², m²; empty where the method gathers nothing.
     pub radius_squared: Vec<f64>,
     /// N, accumulated photons (not whole: α of each pass's); empty where they do not decide the radius.

@@ -18,7 +18,7 @@ use super::tls::server::ServerTls;
 const LOOK: Duration = Duration::from_secs(2);
 
 /// What a coordinator that stands by answers with.
-pub struct Standby {
+pub(crate) struct Standby {
     /// Where it listens. The socket stays open for whoever has it, too.
     pub listener: TcpListener,
     /// What it answers.
@@ -31,7 +31,7 @@ pub struct Standby {
 ///
 /// # Errors
 /// The store cannot be opened for another reason than that another coordinator leads.
-pub async fn open_in_turn(location: &StoreLocation, standby: Standby) -> Result<Store, StoreError> {
+pub(crate) async fn open_in_turn(location: &StoreLocation, standby: Standby) -> Result<Store, StoreError> {
     match Store::open(location).await {
         Err(StoreError::InUse { .. }) if location.records.is_shared() => {}
         opened => return opened,

@@ -6,7 +6,7 @@
 //! and `report` is what an import could not represent.
 
 mod batch;
-pub mod camera_path;
+pub(crate) mod camera_path;
 mod ceng795;
 pub mod changes;
 pub mod compatibility;

@@ -2,12 +2,12 @@
 
 /// The smaller of two numbers; `b` where they cannot be compared.
 #[inline(always)]
-pub fn smaller(a: f32, b: f32) -> f32 {
+pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
 /// The larger of two numbers; `b` where they cannot be compared.
 #[inline(always)]
-pub fn larger(a: f32, b: f32) -> f32 {
+pub(crate) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }

@@ -2,12 +2,12 @@
 
 pub mod color;
 pub mod discrete;
-pub mod frame;
-pub mod grid_distribution;
-pub mod lanes;
+pub(crate) mod frame;
+pub(crate) mod grid_distribution;
+pub(crate) mod lanes;
 pub mod octahedral;
 pub mod random;
-pub mod trigonometry;
+pub(crate) mod trigonometry;
 pub mod warp;
 
 pub use color::Rgb;

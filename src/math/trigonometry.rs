@@ -15,7 +15,7 @@ fn sin_cos_octant(x: f32) -> (f32, f32) {
 
 /// `(sin 2πu, cos 2πu)` for `u` in [0, 1].
 #[inline]
-pub fn sin_cos_turn(u: f32) -> (f32, f32) {
+pub(crate) fn sin_cos_turn(u: f32) -> (f32, f32) {
     let eighths = u * 8.0;
     // The nearest multiple of a quarter turn, so that the rest is within an octant on either side.
     let quarter = ((eighths + 1.0) * 0.5) as u32;

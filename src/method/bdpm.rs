@@ -35,7 +35,7 @@ use crate::transport::kernel::Kernel;
 use crate::transport::occlusion::Occlusion;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "bdpm",
     also_called: &["bidirectional_photon_mapping"],
     summary: "bidirectional photon mapping: photons at every camera vertex, weighted in pairs",

@@ -30,7 +30,7 @@ use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "bdpt",
     also_called: &["bidir", "bidirectional", "bpt"],
     summary: "bidirectional path tracing: every light and camera vertex connected",

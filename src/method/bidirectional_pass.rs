@@ -39,7 +39,7 @@ const MERGED_SHARE: f32 = 0.25;
 const SEARCHED_AREA: f32 = 4.0;
 
 /// A scene and settings, ready to trace.
-pub struct BidirectionalPasses {
+pub(crate) struct BidirectionalPasses {
     scene: Arc<Scene>,
     pub(super) seed: u64,
     settings: PassSettings,
@@ -95,7 +95,7 @@ impl LightPaths {
 
 impl BidirectionalPasses {
     /// Passes with `light_paths` light subpaths each.
-    pub fn new(scene: Arc<Scene>, settings: PassSettings, light_paths: u32, seed: u64) -> Self {
+    pub(crate) fn new(scene: Arc<Scene>, settings: PassSettings, light_paths: u32, seed: u64) -> Self {
         let pilot = PhotonPasses {
             scene: scene.clone(),
             seed,

@@ -20,7 +20,7 @@ const LONGEST: u32 = 65_535;
 
 /// What passes of these methods do.
 #[derive(Clone, Copy, Debug)]
-pub struct PassSettings {
+pub(crate) struct PassSettings {
     /// Ways of finding paths.
     pub techniques: Techniques,
     /// How techniques share a path.
@@ -41,7 +41,7 @@ pub struct PassSettings {
 
 /// How vertices are merged.
 #[derive(Clone, Copy, Debug)]
-pub struct MergeSettings {
+pub(crate) struct MergeSettings {
     /// First radius, m.
     pub first_radius: Auto<f32>,
     /// How photons count by their distance.
@@ -54,14 +54,14 @@ pub struct MergeSettings {
 
 impl MergeSettings {
     /// All photons within the radius count alike.
-    pub fn discs(first_radius: Auto<f32>, occlusion: Occlusion) -> Self {
+    pub(crate) fn discs(first_radius: Auto<f32>, occlusion: Occlusion) -> Self {
         Self { first_radius, kernel: Kernel::Disc, neighbors: 0, occlusion }
     }
 }
 
 /// Which paths are made and counted.
 #[derive(Clone, Copy, Debug)]
-pub struct Paths {
+pub(crate) struct Paths {
     /// Longest path.
     pub max_depth: Depth,
     /// Where roulette begins.
@@ -76,7 +76,7 @@ pub struct Paths {
 
 impl PassSettings {
     /// `techniques` on `paths`, by the balance heuristic and without merging.
-    pub fn new(techniques: Techniques, paths: &Paths) -> Self {
+    pub(crate) fn new(techniques: Techniques, paths: &Paths) -> Self {
         let length = paths.length.only().map(PathLength::get);
         let limits = limits(paths.max_depth, paths.rr_depth);
         // Longer paths than those that are looked at need not be traced.
@@ -90,28 +90,28 @@ impl PassSettings {
     }
 
     /// Whether any of `techniques` is in use.
-    pub fn uses(&self, techniques: Techniques) -> bool {
+    pub(crate) fn uses(&self, techniques: Techniques) -> bool {
         self.techniques.any(techniques)
     }
 
     /// How the techniques share paths when there are `light_paths` a pass.
-    pub fn weighting(&self, light_paths: u32) -> Weighting {
+    pub(crate) fn weighting(&self, light_paths: u32) -> Weighting {
         let Self { techniques, heuristic, measure, .. } = *self;
         Weighting { techniques, heuristic, measure, light_paths: light_paths as f32 }
     }
 
     /// Makes passes of a scene ready.
-    pub fn prepare(self, scene: Arc<Scene>, light_paths: u32, seed: u64) -> Box<dyn PreparedMethod> {
+    pub(crate) fn prepare(self, scene: Arc<Scene>, light_paths: u32, seed: u64) -> Box<dyn PreparedMethod> {
         Box::new(BidirectionalPasses::new(scene, self, light_paths, seed))
     }
 
     /// How lights are sampled: at all vertices of camera subpaths.
-    pub fn light_sampling(&self, picks: LightPicks) -> LightSampling {
+    pub(crate) fn light_sampling(&self, picks: LightPicks) -> LightSampling {
         LightSampling { picks, vertices: SamplingVertices::All, limits: self.limits }
     }
 
     /// The strategies of the paths that count, else of all from 2 to `longest` segments.
-    pub fn strategies(&self, longest: u32) -> Vec<Strategy> {
+    pub(crate) fn strategies(&self, longest: u32) -> Vec<Strategy> {
         let Self { techniques, limits, selection, .. } = *self;
         let lengths = selection.length.map_or(2..=longest, |length| length..=length);
         let of_length = |segments: u32| {
@@ -124,7 +124,7 @@ impl PassSettings {
     }
 
     /// Why no path counts, if `length` and `strategy` leave none.
-    pub fn contradiction(&self) -> Option<Contradiction> {
+    pub(crate) fn contradiction(&self) -> Option<Contradiction> {
         let Self { limits, selection, .. } = *self;
         if let (Some(length), Some(limit)) = (selection.length, limits.max_depth)
             && length > limit
@@ -172,12 +172,12 @@ impl PassSettings {
 }
 
 /// The techniques of `bdpm` and `pbdpm`: merging, and what `light_hits` and `camera_hits` add to it.
-pub fn photon_techniques(light_hits: Switch, camera_hits: Switch) -> Techniques {
+pub(crate) fn photon_techniques(light_hits: Switch, camera_hits: Switch) -> Techniques {
     Techniques::MERGE.with(Techniques::HIT, light_hits.is_on()).with(Techniques::CAMERA, camera_hits.is_on())
 }
 
 /// Light that no connection finds.
-pub fn blind_without_merging(traits: SceneTraits) -> Option<&'static str> {
+pub(crate) fn blind_without_merging(traits: SceneTraits) -> Option<&'static str> {
     (traits.point_lights && traits.specular).then_some(
         "light that mirrors and glass throw from point, spot and directional lights, where it is seen in mirrors or through \
          glass; sppm and vcm do",

@@ -23,7 +23,7 @@ use crate::transport::photon_map::Gathered;
 const SAMPLED: u32 = 2;
 
 /// How emission that is seen and direct light are found.
-pub fn direct(max_depth: Depth) -> PassSettings {
+pub(crate) fn direct(max_depth: Depth) -> PassSettings {
     let rr_depth = RouletteDepth::new(SAMPLED + 1).expect("in range");
     let paths = Paths { max_depth, rr_depth, length: All::All, strategy: All::All, show: Show::Radiance };
     let mut settings = PassSettings::new(Techniques::ALL_CONNECTIONS, &paths);
@@ -56,7 +56,7 @@ pub(super) const LARGE_STEPS: Parameter<Percent> =
 
 /// The chains of a method.
 #[derive(Clone, Copy, Debug)]
-pub struct ChainSettings {
+pub(crate) struct ChainSettings {
     /// Chains of a pass.
     pub chains: u32,
     /// Mutations of a pass for each pixel.
@@ -68,7 +68,7 @@ pub struct ChainSettings {
 }
 
 /// A method of chains, prepared for a scene; `space` makes what its chains move through for the pixels of a pass.
-pub struct ChainMethod<M> {
+pub(crate) struct ChainMethod<M> {
     scene: Arc<Scene>,
     seed: u64,
     settings: ChainSettings,
@@ -77,7 +77,7 @@ pub struct ChainMethod<M> {
 }
 
 /// Makes the space that chains move through.
-pub trait MakeSpace: Send + Sync {
+pub(crate) trait MakeSpace: Send + Sync {
     /// The space.
     type Space<'a>: Space<Brought = Splat>
     where
@@ -89,7 +89,7 @@ pub trait MakeSpace: Send + Sync {
 
 impl<M: MakeSpace> ChainMethod<M> {
     /// Prepares it.
-    pub fn new(scene: Arc<Scene>, settings: ChainSettings, photons_per_pass: u32, seed: u64, space: M) -> Self {
+    pub(crate) fn new(scene: Arc<Scene>, settings: ChainSettings, photons_per_pass: u32, seed: u64, space: M) -> Self {
         let direct = direct(settings.max_depth).prepare(scene.clone(), photons_per_pass, seed);
         Self { scene, seed, settings, direct, space }
     }

@@ -16,7 +16,7 @@ use crate::transport::occlusion::Occlusion;
 use crate::transport::{Counters, Limits, shading};
 
 /// One new camera path per pixel, with one gather ray.
-pub struct GatherEnds<'a> {
+pub(crate) struct GatherEnds<'a> {
     /// The scene.
     pub scene: &'a Arc<Scene>,
     /// Limits on path length.
@@ -29,7 +29,7 @@ pub struct GatherEnds<'a> {
 
 impl GatherEnds<'_> {
     /// Where photons should start for these places, as numbers of a guide; the inner `None`: by power. The outer: cancelled.
-    pub fn learn(
+    pub(crate) fn learn(
         &self,
         seed: u64,
         photons_per_pass: u32,

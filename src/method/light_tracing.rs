@@ -21,7 +21,7 @@ use crate::scene::Scene;
 use crate::transport::bidirectional::{Show, Techniques};
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "light_tracing",
     also_called: &["lt", "lighttracer", "light_tracer", "ptracer", "particle_tracing"],
     summary: "light subpaths connected with the camera, for what only they can sample",

@@ -32,7 +32,7 @@ use crate::scene::Scene;
 use crate::transport::counters::Step;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "mlt",
     also_called: &["metropolis"],
     summary: "Metropolis light transport: chains of whole paths whose vertices change a few at a time",

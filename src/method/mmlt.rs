@@ -36,7 +36,7 @@ use crate::transport::metropolis::primary_space::PrimarySpace;
 use crate::transport::metropolis::sample::PathSampler;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "mmlt",
     also_called: &["pssmlt", "multiplexed"],
     summary: "Metropolis light transport: chains of bidirectional paths that stay where much light is",

@@ -1,32 +1,32 @@
 //! Methods: algorithms that turn a prepared scene into estimates. One self-contained file per method and one row in
 //! [`METHODS`].
 
-pub mod bdpm;
-pub mod bdpt;
+pub(crate) mod bdpm;
+pub(crate) mod bdpt;
 mod bidirectional_chains;
-pub mod bidirectional_pass;
-pub mod bidirectional_settings;
+pub(crate) mod bidirectional_pass;
+pub(crate) mod bidirectional_settings;
 mod bounded_numbers;
-pub mod chain_pass;
-pub mod checked_method;
-pub mod error;
-pub mod gather_ends;
-pub mod light_groups;
-pub mod light_tracing;
-pub mod mlt;
-pub mod mmlt;
-pub mod parameter_values;
-pub mod parameters;
-pub mod path;
-pub mod pbdpm;
-pub mod photon_map;
-pub mod photon_pass;
-pub mod pilot;
-pub mod ppm;
-pub mod shared_parameters;
-pub mod sppm;
-pub mod vcm;
-pub mod visibility_pilot;
+pub(crate) mod chain_pass;
+pub(crate) mod checked_method;
+pub(crate) mod error;
+pub(crate) mod gather_ends;
+pub(crate) mod light_groups;
+pub(crate) mod light_tracing;
+pub(crate) mod mlt;
+pub(crate) mod mmlt;
+pub(crate) mod parameter_values;
+pub(crate) mod parameters;
+pub(crate) mod path;
+pub(crate) mod pbdpm;
+pub(crate) mod photon_map;
+pub(crate) mod photon_pass;
+pub(crate) mod pilot;
+pub(crate) mod ppm;
+pub(crate) mod shared_parameters;
+pub(crate) mod sppm;
+pub(crate) mod vcm;
+pub(crate) mod visibility_pilot;
 mod whole_paths;
 
 use std::sync::Arc;

@@ -15,7 +15,7 @@ use crate::transport::occlusion::Occlusion;
 /// A number, or the word `auto`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Auto<T> {
+pub(crate) enum Auto<T> {
     /// Chosen by the program.
     #[default]
     Auto,
@@ -27,7 +27,7 @@ pub enum Auto<T> {
 /// One of many, or the word `all`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum All<T> {
+pub(crate) enum All<T> {
     /// All of them.
     #[default]
     All,
@@ -38,7 +38,7 @@ pub enum All<T> {
 
 impl<T> All<T> {
     /// The only one that counts, if not all do.
-    pub fn only(self) -> Option<T> {
+    pub(crate) fn only(self) -> Option<T> {
         match self {
             Self::All => None,
             Self::Only(value) => Some(value),
@@ -49,7 +49,7 @@ impl<T> All<T> {
 /// A number, or the word `off`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Switchable<T> {
+pub(crate) enum Switchable<T> {
     /// Without it.
     #[default]
     Off,
@@ -60,7 +60,7 @@ pub enum Switchable<T> {
 
 impl<T> Switchable<T> {
     /// The number, unless it is off.
-    pub fn on(self) -> Option<T> {
+    pub(crate) fn on(self) -> Option<T> {
         match self {
             Self::Off => None,
             Self::On(value) => Some(value),
@@ -70,36 +70,36 @@ impl<T> Switchable<T> {
 
 bounded! {
     /// A share that is neither nothing nor all.
-    pub struct OpenUnit(f64), [above 0, below 1]
+    pub(crate) struct OpenUnit(f64), [above 0, below 1]
 }
 bounded! {
     /// Passes of a job.
-    pub struct Passes(u32), [1 to 2147483648]
+    pub(crate) struct Passes(u32), [1 to 2147483648]
 }
 bounded! {
     /// Photons, or light subpaths, of a pass.
-    pub struct PhotonCount(u32) or Auto, [1 to 67108864]
+    pub(crate) struct PhotonCount(u32) or Auto, [1 to 67108864]
 }
 bounded! {
     /// A radius, m, whose square single precision holds.
-    pub struct Radius(f64) or Auto, [1e-18 to 1e18]
+    pub(crate) struct Radius(f64) or Auto, [1e-18 to 1e18]
 }
 bounded! {
     /// The longest path in segments, or −1.
-    pub struct Depth(i64), [1 to 2147483648, -1 for unlimited]
+    pub(crate) struct Depth(i64), [1 to 2147483648, -1 for unlimited]
 }
 bounded! {
     /// Segments from which Russian roulette may end a path.
-    pub struct RouletteDepth(u32), [1 to 2147483648]
+    pub(crate) struct RouletteDepth(u32), [1 to 2147483648]
 }
 bounded! {
     /// The segments of a path.
-    pub struct PathLength(u32) or All, [1 to 65535]
+    pub(crate) struct PathLength(u32) or All, [1 to 65535]
 }
 
 impl Auto<PhotonCount> {
     /// Becomes a number where it is `auto`: one per pixel, 65536 to 1048576.
-    pub fn settle(&mut self, pixels: u64) -> u32 {
+    pub(crate) fn settle(&mut self, pixels: u64) -> u32 {
         let count = match *self {
             Self::Value(count) => count,
             Self::Auto => PhotonCount(pixels.clamp(1 << 16, 1 << 20) as u32),
@@ -109,7 +109,7 @@ impl Auto<PhotonCount> {
     }
 
     /// Becomes the number of pixels, which is returned; more than a user may give are not written out.
-    pub fn settle_to_pixels(&mut self, pixels: u64) -> u32 {
+    pub(crate) fn settle_to_pixels(&mut self, pixels: u64) -> u32 {
         let pixels = one_per_pixel(pixels);
         *self = PhotonCount::new(pixels).map_or(*self, Self::Value);
         pixels
@@ -117,13 +117,13 @@ impl Auto<PhotonCount> {
 }
 
 /// The light subpaths of a pass where nothing is merged. No picture has 2³² pixels.
-pub fn one_per_pixel(pixels: u64) -> u32 {
+pub(crate) fn one_per_pixel(pixels: u64) -> u32 {
     u32::try_from(pixels).unwrap_or(u32::MAX)
 }
 
 impl Auto<Radius> {
     /// The radius in single precision, m.
-    pub fn meters(self) -> Auto<f32> {
+    pub(crate) fn meters(self) -> Auto<f32> {
         match self {
             Self::Auto => Auto::Auto,
             Self::Value(radius) => Auto::Value(radius.get() as f32),
@@ -132,13 +132,13 @@ impl Auto<Radius> {
 }
 
 /// Limits on path length.
-pub fn limits(max_depth: Depth, rr_depth: RouletteDepth) -> Limits {
+pub(crate) fn limits(max_depth: Depth, rr_depth: RouletteDepth) -> Limits {
     Limits { max_depth: u32::try_from(max_depth.get()).ok(), rr_depth: rr_depth.get() }
 }
 
 /// A way of finding paths, "s,t" to users: vertices of the light and of the camera subpath.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Subpaths {
+pub(crate) struct Subpaths {
     /// s.
     pub light: u32,
     /// t.
@@ -167,7 +167,7 @@ impl ParameterValue for All<Subpaths> {
 /// A part of a method that can be left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Switch {
+pub(crate) enum Switch {
     /// It takes part.
     On,
     /// It does not.
@@ -176,7 +176,7 @@ pub enum Switch {
 
 impl Switch {
     /// Whether it is on.
-    pub fn is_on(self) -> bool {
+    pub(crate) fn is_on(self) -> bool {
         self == Self::On
     }
 }
@@ -188,7 +188,7 @@ impl ParameterValue for Switch {
 /// How light that arrives straight from a source is found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum DirectLight {
+pub(crate) enum DirectLight {
     /// Light and material sampling; photons count from their second surface on.
     Sample,
     /// By photons alone.
@@ -197,7 +197,7 @@ pub enum DirectLight {
 
 impl DirectLight {
     /// What sampling lights is good for where none is seen.
-    pub fn futile_in(self, traits: SceneTraits) -> Option<&'static str> {
+    pub(crate) fn futile_in(self, traits: SceneTraits) -> Option<&'static str> {
         (self == Self::Sample && traits.sealed_lights).then_some(
             "nearly all light meets mirrors or glass first, so direct: sample finds hardly any; direct: photons spares its rays",
         )
@@ -227,7 +227,7 @@ impl ParameterValue for LightPicks {
 /// Where on lights photons start, and in which directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Emission {
+pub(crate) enum Emission {
     /// Guided where the pilot finds that it helps.
     Auto,
     /// By power.
@@ -243,7 +243,7 @@ impl ParameterValue for Emission {
 /// The same for methods whose photons are only gathered: they may be states of chains, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum PhotonEmission {
+pub(crate) enum PhotonEmission {
     /// Guided where the pilot finds that it helps.
     Auto,
     /// By power.
@@ -260,12 +260,12 @@ impl ParameterValue for PhotonEmission {
 
 impl PhotonEmission {
     /// What chains are proposed, if there are any.
-    pub fn proposals(self) -> &'static [Step] {
+    pub(crate) fn proposals(self) -> &'static [Step] {
         if self == Self::Metropolis { &[Step::Small, Step::Large] } else { &[] }
     }
 
     /// How paths begin, whether they are in chains or not.
-    pub fn of_paths(self) -> Emission {
+    pub(crate) fn of_paths(self) -> Emission {
         match self {
             Self::Auto | Self::Metropolis => Emission::Auto,
             Self::Power => Emission::Power,
@@ -277,7 +277,7 @@ impl PhotonEmission {
 /// How photon-path pairs are weighted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Weights {
+pub(crate) enum Weights {
     /// By the densities with which paths are found, merging included [Georgiev et al. 2012].
     Consistent,
     /// By products of directional densities [Vorba 2011].
@@ -286,7 +286,7 @@ pub enum Weights {
 
 impl Weights {
     /// In which measure densities are compared.
-    pub fn measure(self) -> Measure {
+    pub(crate) fn measure(self) -> Measure {
         match self {
             Self::Consistent => Measure::Area,
             Self::Paper => Measure::SolidAngle,

@@ -22,14 +22,14 @@ pub struct ParameterHelp {
 }
 
 /// A type that parameters have. Reading it refuses whatever is out of its range.
-pub trait ParameterValue: Clone + Serialize + DeserializeOwned {
+pub(crate) trait ParameterValue: Clone + Serialize + DeserializeOwned {
     /// Values it may take, as help and errors show them.
     const RANGE: &'static str;
 }
 
 /// What a parameter means, and what it is when the user does not give it.
 #[derive(Clone, Copy, Debug)]
-pub struct Parameter<T> {
+pub(crate) struct Parameter<T> {
     /// What it means, with its unit.
     pub meaning: &'static str,
     /// Its default.
@@ -40,13 +40,13 @@ pub struct Parameter<T> {
 
 impl<T: ParameterValue> Parameter<T> {
     /// The row of the help.
-    pub const fn help(&self, name: &'static str) -> ParameterHelp {
+    pub(crate) const fn help(&self, name: &'static str) -> ParameterHelp {
         ParameterHelp { name, meaning: self.meaning, range: T::RANGE, default: self.shown }
     }
 }
 
 /// A parameter of one method; those of several stand in [`shared_parameters`](super::shared_parameters).
-pub const fn parameter<T>(meaning: &'static str, default: T, shown: &'static str) -> Parameter<T> {
+pub(crate) const fn parameter<T>(meaning: &'static str, default: T, shown: &'static str) -> Parameter<T> {
     Parameter { meaning, default, shown }
 }
 
@@ -87,7 +87,7 @@ pub(super) use parameters;
 ///
 /// # Errors
 /// A parameter that it does not have, or a value out of range.
-pub fn read<P: ParameterSet>(method: &'static str, given: &Map<String, Value>) -> Result<P, MethodError> {
+pub(crate) fn read<P: ParameterSet>(method: &'static str, given: &Map<String, Value>) -> Result<P, MethodError> {
     let error = |problem: String, remedy: String| MethodError::Parameter { method, problem, remedy };
     // One at a time, so that an error names its parameter.
     for (name, value) in given {
@@ -108,7 +108,7 @@ pub fn read<P: ParameterSet>(method: &'static str, given: &Map<String, Value>) -
 ///
 /// # Errors
 /// Those of [`read`].
-pub fn read_method<P: ParameterSet + ParameterizedMethod + 'static>(
+pub(crate) fn read_method<P: ParameterSet + ParameterizedMethod + 'static>(
     method: &'static str,
     given: &Map<String, Value>,
 ) -> Result<Box<dyn ParameterizedMethod>, MethodError> {

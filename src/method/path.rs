@@ -25,7 +25,7 @@ use crate::scene::Scene;
 use crate::transport::bidirectional::{Heuristic, Show, Techniques};
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "path",
     also_called: &["pt", "pathtracer", "path_tracing", "pathtracing", "unidirectional"],
     summary: "path tracing: light and material sampling combined",

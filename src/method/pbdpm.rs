@@ -32,7 +32,7 @@ use crate::transport::bidirectional::{Heuristic, Show};
 use crate::transport::occlusion::Occlusion;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "pbdpm",
     also_called: &[],
     summary: "progressive bidirectional photon mapping: bdpm with a shrinking radius",

@@ -55,7 +55,7 @@ mod hierarchy;
 mod irradiance_cache;
 mod local_pass;
 mod look_up;
-pub mod mps;
+pub(crate) mod mps;
 mod parameters;
 mod second_pass;
 mod storage;
@@ -90,7 +90,7 @@ use crate::transport::{Counters, Limits};
 const RAYS_PER_LOOKUP: u64 = 6;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "photon_map",
     also_called: &["pm", "photonmapper", "photonmapping", "photon_mapping"],
     summary: "photon mapping in two passes: sampled direct light, caustic map, final gather from a global map",

@@ -33,10 +33,10 @@ use crate::transport::{Counters, Limits};
 const LOOKING_APART: usize = 13;
 
 /// The pass index of the pilot, which has streams of its own.
-pub const PILOT_PASS: u32 = 0;
+pub(crate) const PILOT_PASS: u32 = 0;
 
 /// A scene and the parameters of a progressive method, ready to trace.
-pub struct PhotonPasses {
+pub(crate) struct PhotonPasses {
     /// The scene.
     pub scene: Arc<Scene>,
     /// Job seed.
@@ -63,7 +63,7 @@ pub struct PhotonPasses {
 
 /// Which photons to trace.
 #[derive(Clone, Copy, Debug)]
-pub struct PhotonsOf<'a> {
+pub(crate) struct PhotonsOf<'a> {
     /// What they are for.
     pub stream: Stream,
     /// Index of their pass.
@@ -74,14 +74,14 @@ pub struct PhotonsOf<'a> {
 
 impl<'a> PhotonsOf<'a> {
     /// Those of a pass of the job.
-    pub fn pass(pass: &Pass<'a>) -> Self {
+    pub(crate) fn pass(pass: &Pass<'a>) -> Self {
         Self { stream: Stream::Photon, pass: pass.index, guide: pass.guide }
     }
 }
 
 /// What a pixel's discs hold in a pass.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Found {
+pub(crate) struct Found {
     /// As the camera sees it.
     pub gathered: Gathered,
     /// How evenly it lies; nothing but under [`RadiusRule::Uniformity`].
@@ -90,7 +90,7 @@ pub struct Found {
 
 impl PhotonPasses {
     /// Traces photons and sorts them into cells of the size of a typical gather disc.
-    pub fn trace_photons<R: TracedPhoton>(
+    pub(crate) fn trace_photons<R: TracedPhoton>(
         &self,
         photons: &PhotonsOf<'_>,
         typical_radius_squared: f32,
@@ -166,7 +166,7 @@ impl PhotonPasses {
 
     /// Sampled direct light at a gather point, without the path's throughput; black where photons bring it.
     #[inline]
-    pub fn direct_light(&self, point: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
+    pub(crate) fn direct_light(&self, point: &GatherPoint, random: &PathRandom, counters: &mut Counters) -> Rgb {
         if self.direct == DirectLight::Sample && self.limits.allows(point.segments + 1) {
             direct_light(&self.scene, point, random, counters)
         } else {
@@ -176,7 +176,7 @@ impl PhotonPasses {
 
     /// Reflected flux Φ/T = Σ f_r·α and the photon count M at a gather point.
     #[inline]
-    pub fn gather(
+    pub(crate) fn gather(
         &self,
         map: &PhotonMap<f32>,
         point: &GatherPoint,
@@ -197,7 +197,7 @@ impl PhotonPasses {
 
     /// Adds what the disc around a gather point holds, of which the camera sees `throughput`; what the radius rule does not ask for is not measured.
     #[inline]
-    pub fn add_gathered(
+    pub(crate) fn add_gathered(
         &self,
         map: &PhotonMap<f32>,
         (point, throughput): (&GatherPoint, Rgb),
@@ -237,13 +237,13 @@ impl PhotonPasses {
 
     /// Which photons count at a gather point.
     #[inline]
-    pub fn counting(&self, point: &GatherPoint, radius_squared: f32) -> Counting {
+    pub(crate) fn counting(&self, point: &GatherPoint, radius_squared: f32) -> Counting {
         let most_segments = self.limits.most_photon_segments(point.segments);
         Counting { radius_squared, most_segments, caustics_only: point.goes_on }
     }
 
     /// First R² at a gather point, m²; the search starts with `guess`, m².
-    pub fn first_radius_squared(&self, map: &impl PhotonLookup, point: &GatherPoint, guess: f32) -> f32 {
+    pub(crate) fn first_radius_squared(&self, map: &impl PhotonLookup, point: &GatherPoint, guess: f32) -> f32 {
         if let Auto::Value(radius) = self.first_radius {
             return radius * radius;
         }
@@ -254,7 +254,7 @@ impl PhotonPasses {
     }
 
     /// First R² of every pixel from those of the pixels that see something to gather at, m².
-    pub fn complete_first_radii(&self, radii: &mut [Option<f32>]) -> Vec<f32> {
+    pub(crate) fn complete_first_radii(&self, radii: &mut [Option<f32>]) -> Vec<f32> {
         match self.first_radius {
             Auto::Auto => fill_gaps(radii, self.scene.width as usize, self.fallback_radius_squared()),
             Auto::Value(radius) => vec![radius * radius; radii.len()],
@@ -263,7 +263,7 @@ impl PhotonPasses {
 
     /// Traces the path of a pixel in a pass and shows `gather` where it gathers; the radiance seen on the way.
     #[inline]
-    pub fn camera_path(
+    pub(crate) fn camera_path(
         &self,
         random: &PathRandom,
         pixel: usize,
@@ -304,7 +304,7 @@ fn gather_in_sight(
 
 /// Adds how evenly lies what a pass found in a pixel, where that is summed; what is not finite is dropped. It is counted as flux.
 #[inline]
-pub fn add_evenness(sums: Option<&mut PixelEvenness>, pass: &Pass<'_>, evenness: &Evenness) {
+pub(crate) fn add_evenness(sums: Option<&mut PixelEvenness>, pass: &Pass<'_>, evenness: &Evenness) {
     if let Some(sums) = sums
         && evenness.is_finite()
     {
@@ -316,7 +316,7 @@ pub fn add_evenness(sums: Option<&mut PixelEvenness>, pass: &Pass<'_>, evenness:
 
 /// Adds one pass's sums of a pixel; what is not finite is dropped and counted.
 #[inline]
-pub fn add_to_tally(
+pub(crate) fn add_to_tally(
     pixel: &mut PixelTally,
     pass: &Pass<'_>,
     radiance: Rgb,

@@ -38,7 +38,7 @@ const DARK: f64 = 1e-3;
 const WORTH_UNITS: f64 = (1u64 << 40) as f64;
 
 /// Where the pixels of a method gather.
-pub trait PilotView: Sync {
+pub(crate) trait PilotView: Sync {
     /// Whether first radii of all pixels are wanted, else only what lessons need.
     const ALL_RADII: bool = true;
 
@@ -56,14 +56,14 @@ pub trait PilotView: Sync {
 }
 
 /// One new camera path per pixel.
-pub struct CameraPaths<'a> {
+pub(crate) struct CameraPaths<'a> {
     passes: &'a PhotonPasses,
     random: PassRandom,
 }
 
 impl<'a> CameraPaths<'a> {
     /// Those of the pilot.
-    pub fn new(passes: &'a PhotonPasses) -> Self {
+    pub(crate) fn new(passes: &'a PhotonPasses) -> Self {
         Self { passes, random: PassRandom::of_pixels(passes.seed, Stream::PilotCamera, PILOT_PASS) }
     }
 }
@@ -91,7 +91,7 @@ impl PilotView for CameraPaths<'_> {
 }
 
 /// What the pilot found.
-pub struct PilotFindings {
+pub(crate) struct PilotFindings {
     /// First radii of all pixels, m².
     pub radius_squared: Vec<f32>,
     /// Where photons should start, as numbers of a guide; `None` for emission by power.
@@ -118,7 +118,7 @@ struct Round {
 
 impl PhotonPasses {
     /// First radii where the pixels of `view` gather, and a guide where it is wanted and worthwhile.
-    pub fn pilot(&self, view: &impl PilotView, cancel: &AtomicBool) -> Option<PilotFindings> {
+    pub(crate) fn pilot(&self, view: &impl PilotView, cancel: &AtomicBool) -> Option<PilotFindings> {
         let Round { map, radius_squared, counters } = self.round(view, PILOT_PASS, None, None, cancel)?;
         if self.may_guide() {
             let first = Round { map, radius_squared: radius_squared.clone(), counters };
@@ -130,7 +130,7 @@ impl PhotonPasses {
     }
 
     /// Whether a guide is wanted and has anything to choose.
-    pub fn may_guide(&self) -> bool {
+    pub(crate) fn may_guide(&self) -> bool {
         let chooses = self.guide_parts == GuideParts::Cells || self.scene.lights.lights().len() > 1;
         self.emission != Emission::Power && chooses
     }

@@ -55,7 +55,7 @@ const SPLIT_SEGMENTS: u32 = 4;
 const HIT_POINT_PASS: u32 = u32::MAX;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "ppm",
     also_called: &["progressive_photon_mapping"],
     summary: "progressive photon mapping: hit points fixed for the whole job, photons anew every pass",

@@ -43,7 +43,7 @@ use crate::transport::occlusion::Occlusion;
 use crate::transport::photon_map::{OriginPhoton, PhotonMap};
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "sppm",
     also_called: &["stochastic_ppm"],
     summary: "stochastic progressive photon mapping: new camera paths every pass, shared pixel statistics",

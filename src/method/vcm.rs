@@ -32,7 +32,7 @@ use crate::transport::counters::Step;
 use crate::transport::occlusion::Occlusion;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "vcm",
     also_called: &["upm", "vertex_merging", "vertex_connection_and_merging"],
     summary: "vertex connection and merging: bdpt and pbdpm in one",

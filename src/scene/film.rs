@@ -15,10 +15,10 @@ use super::error::{SceneError, nearest_name};
 use super::fields::Fields;
 use crate::math::Vec2;
 
-pub use filter::Filter;
+pub(crate) use filter::Filter;
 
 /// The most pixels a picture may have.
-pub const MAX_PIXELS: u64 = 1 << 28;
+pub(crate) const MAX_PIXELS: u64 = 1 << 28;
 
 /// The picture's size, its place in the whole film, and its filter.
 #[derive(Clone, Debug)]
@@ -145,7 +145,7 @@ impl Film {
 }
 
 /// Reads a film.
-pub fn read(node: &Node) -> Result<Film, SceneError> {
+pub(crate) fn read(node: &Node) -> Result<Film, SceneError> {
     if node.plugin != "hdrfilm" {
         let problem = format!("there is no film \"{}\"", node.plugin);
         return Err(SceneError::new(&node.location, problem, nearest_name(&node.plugin, &["hdrfilm"])));

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::description::{Node, PluginClass};
 
 /// What shapes without a bsdf are made of. They share one name, as they share one material.
-pub const DEFAULT_MATERIAL: &str = "default material";
+pub(crate) const DEFAULT_MATERIAL: &str = "default material";
 
 /// What one thing is called.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

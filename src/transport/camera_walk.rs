@@ -63,7 +63,7 @@ enum SeenEmission {
 
 /// A camera path on its way.
 #[derive(Clone, Copy, Debug)]
-pub struct CameraWalk {
+pub(crate) struct CameraWalk {
     /// Where it is, and what it carries.
     pub walk: Walk,
     /// Length so far, m.
@@ -75,14 +75,14 @@ pub struct CameraWalk {
 
 impl CameraWalk {
     /// A path that starts with a camera ray.
-    pub fn new(scene: &Scene, ray: Ray, samples_lights: bool) -> Self {
+    pub(crate) fn new(scene: &Scene, ray: Ray, samples_lights: bool) -> Self {
         let walk = Walk::from_camera(scene, ray, 1.0);
         Self { walk, path_length: 0.0, emission: SeenEmission::Full, samples_lights }
     }
 
     /// A path that leaves `point` by `scattering` to gather indirect light there. Emission that it sees before a lobe
     /// with a density scatters it again is direct light at `point`, or a caustic: it does not count.
-    pub fn gathering(scene: &Scene, point: &GatherPoint, scattering: &Scattering) -> Self {
+    pub(crate) fn gathering(scene: &Scene, point: &GatherPoint, scattering: &Scattering) -> Self {
         let mut walk = Walk::from_surface(&point.hit, point.throughput, point.segments, point.medium);
         walk.follow(scene, &point.hit, scattering);
         Self { walk, path_length: point.path_length, emission: SeenEmission::ByPhotons, samples_lights: true }
@@ -91,7 +91,7 @@ impl CameraWalk {
     /// Traces the next segment of a path with the numbers `random`; emission that it sees is added to `radiance`. `None` when the
     /// path left the scene.
     #[inline]
-    pub fn advance(
+    pub(crate) fn advance(
         &mut self,
         scene: &Scene,
         random: &PathRandom,
@@ -123,7 +123,7 @@ impl CameraWalk {
 
     /// Goes on after a scattering.
     #[inline]
-    pub fn follow(&mut self, scene: &Scene, hit: &Interaction, scattering: &Scattering) {
+    pub(crate) fn follow(&mut self, scene: &Scene, hit: &Interaction, scattering: &Scattering) {
         self.walk.follow(scene, hit, scattering);
         self.emission = match self.emission {
             _ if !scattering.sample.is_specular() && self.samples_lights => SeenEmission::Shared(scattering.sample.pdf),
@@ -152,7 +152,7 @@ impl GatherPoint {
 /// Follows a path to its end, one random lobe at each surface where it goes on; adds emission seen on the way and shows
 /// every point where the path gathers to `gather`, the widest last.
 #[inline]
-pub fn trace_camera_path(
+pub(crate) fn trace_camera_path(
     scene: &Scene,
     mut walk: CameraWalk,
     random: &PathRandom,

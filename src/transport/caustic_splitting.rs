@@ -31,7 +31,7 @@ use crate::scene::Scene;
 /// How more caustic photons are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Splitting {
+pub(crate) enum Splitting {
     /// By more paths.
     #[default]
     Brute,
@@ -45,7 +45,7 @@ pub enum Splitting {
 const MEAN_STEP: f32 = 1.0 / 64.0;
 
 /// How the caustic photons of a scene are split.
-pub struct CausticSplitting {
+pub(crate) struct CausticSplitting {
     /// S, at least 1.
     factor: u32,
     way: Way,
@@ -59,7 +59,7 @@ enum Way {
 
 impl CausticSplitting {
     /// Splits into `factor`, at least 1.
-    pub fn new(factor: u32, splitting: Splitting, scene: &Scene) -> Self {
+    pub(crate) fn new(factor: u32, splitting: Splitting, scene: &Scene) -> Self {
         let way = match splitting {
             Splitting::Brute => Way::Brute,
             Splitting::Metropolis => Way::Metropolis,
@@ -69,12 +69,12 @@ impl CausticSplitting {
     }
 
     /// S.
-    pub fn factor(&self) -> u32 {
+    pub(crate) fn factor(&self) -> u32 {
         self.factor
     }
 
     /// Appends the caustic photons that stand for path `path`, which stored the photons `own`.
-    pub fn split<E>(
+    pub(crate) fn split<E>(
         &self,
         scene: &Scene,
         settings: &PhotonSettings<'_>,

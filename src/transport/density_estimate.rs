@@ -23,7 +23,7 @@ use super::receiver::{Counting, Receiver};
 
 /// How radiance is estimated from a photon map.
 #[derive(Clone, Copy, Debug)]
-pub struct DensityEstimate {
+pub(crate) struct DensityEstimate {
     /// k, at least 2.
     pub neighbors: usize,
     /// The largest r², m².
@@ -43,7 +43,7 @@ pub struct DensityEstimate {
 impl DensityEstimate {
     /// Radiance that the lobes at `point` reflect of photons with at most `most_segments`, times the number of photons
     /// emitted, W·sr⁻¹·m⁻²; without the path's throughput.
-    pub fn reflected(
+    pub(crate) fn reflected(
         &self,
         scene: &Scene,
         map: &impl OriginLookup,

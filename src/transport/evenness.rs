@@ -28,7 +28,7 @@ impl Evenness {
 }
 
 /// A disc whose evenness is measured. Its axes hang on the normal alone, so that they are the same for all discs on a plane.
-pub struct MeasuredDisc {
+pub(crate) struct MeasuredDisc {
     middle: Vec3,
     frame: Frame,
     sums: Evenness,
@@ -37,13 +37,13 @@ pub struct MeasuredDisc {
 impl MeasuredDisc {
     /// The disc of a query.
     #[inline]
-    pub fn new(query: &GatherQuery) -> Self {
+    pub(crate) fn new(query: &GatherQuery) -> Self {
         Self { middle: query.position, frame: Frame::from_normal(query.normal), sums: Evenness::default() }
     }
 
     /// Adds a photon at `position` that brings `flux`.
     #[inline]
-    pub fn add(&mut self, position: Vec3, flux: Rgb) {
+    pub(crate) fn add(&mut self, position: Vec3, flux: Rgb) {
         let weight = flux.element_sum() / 3.0;
         let offset = self.frame.to_local(position - self.middle);
         let distance = (offset.x * offset.x + offset.y * offset.y).sqrt();
@@ -56,7 +56,7 @@ impl MeasuredDisc {
 
     /// The sums.
     #[inline]
-    pub fn sums(self) -> Evenness {
+    pub(crate) fn sums(self) -> Evenness {
         self.sums
     }
 }

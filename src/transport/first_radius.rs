@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::scene::geometry::Ray;
 
 /// Photons that a first gather should find.
-pub const FIRST_GATHER_PHOTONS: f32 = 20.0;
+pub(crate) const FIRST_GATHER_PHOTONS: f32 = 20.0;
 /// The largest first radius as a share of the scene's bounding radius.
 const LARGEST_SHARE: f32 = 0.05;
 const STEPS: usize = 8;
@@ -24,7 +24,7 @@ const LARGEST_STEP: f32 = 16.0;
 
 /// Bounds on a first radius.
 #[derive(Clone, Copy, Debug)]
-pub struct RadiusBounds {
+pub(crate) struct RadiusBounds {
     /// Radius of the scene's bounding sphere, m.
     pub scene_radius: f32,
     /// Where to start searching, R², m².
@@ -33,7 +33,7 @@ pub struct RadiusBounds {
 
 impl RadiusBounds {
     /// Bounds for a map of `photons` photons in a scene of `scene_radius`, m.
-    pub fn new(scene_radius: f32, photons: usize) -> Self {
+    pub(crate) fn new(scene_radius: f32, photons: usize) -> Self {
         // The sphere's surface stands for the unknown area that the photons lie on.
         let area_per_photon = 4.0 * std::f32::consts::PI * scene_radius * scene_radius / photons.max(1) as f32;
         let guess = FIRST_GATHER_PHOTONS * area_per_photon / std::f32::consts::PI;
@@ -41,13 +41,13 @@ impl RadiusBounds {
     }
 
     /// The largest R² in a scene of `scene_radius`, m².
-    pub fn largest_squared(scene_radius: f32) -> f32 {
+    pub(crate) fn largest_squared(scene_radius: f32) -> f32 {
         (LARGEST_SHARE * scene_radius) * (LARGEST_SHARE * scene_radius)
     }
 }
 
 /// R² with which a gather at `point` finds [`FIRST_GATHER_PHOTONS`], m². `footprint` is half a pixel's width there, m.
-pub fn first_radius_squared(
+pub(crate) fn first_radius_squared(
     map: &impl PhotonLookup,
     point: &GatherPoint,
     footprint: f32,
@@ -92,7 +92,7 @@ const PROBE_COSINE: f32 = 0.7;
 ///
 /// A disc that reaches over an edge or into a corner finds too few photons for its area: the bias that stays longest. Rays
 /// along the surface find corners and obstacles, rays down at the rim find edges.
-pub fn clear_of_edges(scene: &Scene, point: &GatherPoint, radius_squared: f32, smallest: f32) -> f32 {
+pub(crate) fn clear_of_edges(scene: &Scene, point: &GatherPoint, radius_squared: f32, smallest: f32) -> f32 {
     let mut radius = radius_squared.sqrt();
     for _ in 0..HALVINGS {
         if radius <= smallest || is_clear(scene, point, radius) {
@@ -123,7 +123,7 @@ fn is_clear(scene: &Scene, point: &GatherPoint, radius: f32) -> bool {
 
 /// Gives pixels without a radius the smallest of their neighbours', growing from the edges inwards; pixels far from any
 /// take `fallback`.
-pub fn fill_gaps(radius_squared: &mut [Option<f32>], width: usize, fallback: f32) -> Vec<f32> {
+pub(crate) fn fill_gaps(radius_squared: &mut [Option<f32>], width: usize, fallback: f32) -> Vec<f32> {
     const RINGS: usize = 4;
     let height = radius_squared.len() / width.max(1);
     for _ in 0..RINGS {

@@ -11,7 +11,7 @@ use super::camera_walk::GatherPoint;
 
 /// Where a camera path meets a surface with a smooth lobe.
 #[derive(Clone, Copy, Debug)]
-pub struct HitPoint {
+pub(crate) struct HitPoint {
     position: Vec3,
     /// Octahedral codes: true normal, shading normal, direction towards the camera.
     directions: [u32; 3],
@@ -73,7 +73,7 @@ const MATERIAL_BITS: u32 = 24;
 
 impl HitPoint {
     /// Packs a point.
-    pub fn new(point: &GatherPoint) -> Self {
+    pub(crate) fn new(point: &GatherPoint) -> Self {
         let hit = &point.hit;
         let directions = [hit.geometric_normal, hit.frame.normal, hit.outgoing].map(octahedral::encode);
         Self {
@@ -89,12 +89,12 @@ impl HitPoint {
     }
 
     /// Segments of the path from the camera, at most 255.
-    pub fn segments(&self) -> u32 {
+    pub(crate) fn segments(&self) -> u32 {
         self.material_and_segments >> MATERIAL_BITS
     }
 
     /// The point, where positions of the scene are `error` off at worst, m.
-    pub fn gather_point(&self, error: f32) -> GatherPoint {
+    pub(crate) fn gather_point(&self, error: f32) -> GatherPoint {
         let [geometric_normal, shading_normal, outgoing] = self.directions.map(octahedral::decode);
         let material = self.material_and_segments & ((1 << MATERIAL_BITS) - 1);
         // Codes of equal normals are equal: flat surfaces stay flat.

@@ -5,7 +5,7 @@ use crate::math::Vec3;
 
 /// A place where photons are looked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Importon {
+pub(crate) struct Importon {
     /// Position, m.
     pub position: Vec3,
     /// What the photons there count for in the picture; any scale.
@@ -19,12 +19,12 @@ const LEAST_SEEN: f64 = 16.0;
 /// At most so many cells.
 const MOST_CELLS: u64 = 1 << 20;
 /// The least probability of storing a photon: none weighs more than its inverse times its flux.
-pub const LEAST_ACCEPTANCE: f32 = 1.0 / 32.0;
+pub(crate) const LEAST_ACCEPTANCE: f32 = 1.0 / 32.0;
 /// Photons are all stored from this share of the importance on that a mean importon sees.
 const ENOUGH: f32 = 0.25;
 
 /// Importance by place.
-pub struct ImportanceMap {
+pub(crate) struct ImportanceMap {
     grid: Grid,
     /// Of each cell and those around it.
     importance: Vec<f32>,
@@ -34,7 +34,7 @@ pub struct ImportanceMap {
 
 impl ImportanceMap {
     /// A map between the smallest and the largest coordinates, m; `None` where there is no importon.
-    pub fn new((low, high): (Vec3, Vec3), importons: &[Importon]) -> Option<Self> {
+    pub(crate) fn new((low, high): (Vec3, Vec3), importons: &[Importon]) -> Option<Self> {
         let total: f64 = importons.iter().map(|importon| f64::from(importon.importance)).sum();
         if !(total > 0.0 && total.is_finite()) {
             return None;
@@ -56,13 +56,13 @@ impl ImportanceMap {
 
     /// The same for a photon.
     #[inline]
-    pub fn of(&self, photon: &Photon) -> f32 {
+    pub(crate) fn of(&self, photon: &Photon) -> f32 {
         self.acceptance(Vec3::from_array(photon.position))
     }
 
     /// The probability with which a photon at `position` is stored: p_min + (1 − p_min)·I/I_enough, at most 1.
     #[inline]
-    pub fn acceptance(&self, position: Vec3) -> f32 {
+    pub(crate) fn acceptance(&self, position: Vec3) -> f32 {
         let importance = self.importance[self.grid.cell(self.grid.coordinates(position))];
         (LEAST_ACCEPTANCE + (1.0 - LEAST_ACCEPTANCE) * importance * self.inverse_enough).min(1.0)
     }

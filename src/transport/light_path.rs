@@ -12,7 +12,7 @@ use crate::scene::light::emission_guide::{EmissionGuide, EmissionPoint};
 use crate::scene::material::{TransportMode, View};
 
 /// What a method does along a path from a light.
-pub trait LightVertices<N: Numbers> {
+pub(crate) trait LightVertices<N: Numbers> {
     /// The path of the photon `emitted` comes to a surface, with `walk.throughput` as its flux.
     fn arrive(&mut self, walk: &Walk, hit: &Interaction, emitted: &EmittedPhoton, random: &N, counters: &mut Counters);
 
@@ -28,7 +28,7 @@ pub trait LightVertices<N: Numbers> {
 
 /// Where the path with the numbers `random` starts.
 #[inline(always)]
-pub fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &impl Numbers) -> EmissionPoint {
+pub(crate) fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &impl Numbers) -> EmissionPoint {
     let place = random.block(dimension::EMISSION);
     let direction = random.block(dimension::EMISSION_DIRECTION);
     scene.lights.emission_point(guide, [place[0], place[1], place[2]], [direction[0], direction[1]])
@@ -36,7 +36,7 @@ pub fn emission_point(scene: &Scene, guide: Option<&EmissionGuide>, random: &imp
 
 /// Follows a photon with the numbers `random`, which starts where `guide` says, to its end; it leaves at least one segment to the camera.
 #[inline]
-pub fn trace_light_path<N: Numbers>(
+pub(crate) fn trace_light_path<N: Numbers>(
     scene: &Scene,
     guide: Option<&EmissionGuide>,
     limits: &Limits,
@@ -53,7 +53,7 @@ pub fn trace_light_path<N: Numbers>(
 
 /// Follows the photon `emitted` with the numbers `random` to its end.
 #[inline]
-pub fn follow_photon<N: Numbers>(
+pub(crate) fn follow_photon<N: Numbers>(
     scene: &Scene,
     emitted: &EmittedPhoton,
     limits: &Limits,

@@ -32,7 +32,7 @@ pub enum SamplingVertices {
 
 /// A trial and what it brought.
 #[derive(Clone, Copy, Debug)]
-pub struct WeighedTrial {
+pub(crate) struct WeighedTrial {
     /// The trial.
     pub trial: LightTrial,
     /// The luminance of its estimate of direct light, W·sr⁻¹·m⁻².
@@ -45,7 +45,7 @@ pub struct WeighedTrial {
 
 /// Where and how lights are tried.
 #[derive(Clone, Copy)]
-pub struct LightTrials<'a> {
+pub(crate) struct LightTrials<'a> {
     /// The scene, with picks that know nothing of visibility.
     pub plain: &'a Scene,
     /// The same, with what was learnt so far.
@@ -69,7 +69,7 @@ struct TrialVertex<'a> {
 
 impl LightTrials<'_> {
     /// One round of trials, in the order of pixels.
-    pub fn round(&self, round: u32) -> Vec<WeighedTrial> {
+    pub(crate) fn round(&self, round: u32) -> Vec<WeighedTrial> {
         let count = self.scene.pixel_count();
         let step = count.div_ceil(TRIALS);
         let random = PassRandom::of_pixels(self.seed, Stream::Visibility, round);

@@ -26,7 +26,7 @@ use crate::math::Vec3;
 /// By what the number of photons is chosen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum NeighborChoice {
+pub(crate) enum NeighborChoice {
     /// Nothing: it is k.
     #[default]
     Fixed,
@@ -44,7 +44,7 @@ const LEAST: usize = 2;
 impl NeighborChoice {
     /// Narrows what `query` found: to the photons nearer than the k'-th, inside its distance.
     #[inline]
-    pub fn narrow(self, map: &impl PhotonLookup, query: &GatherQuery, found: &mut Nearest) {
+    pub(crate) fn narrow(self, map: &impl PhotonLookup, query: &GatherQuery, found: &mut Nearest) {
         if self != Self::Fixed && found.photons().len() >= LEAST {
             let chosen = self.choose(map, query, found);
             if chosen <= found.photons().len() {

@@ -37,7 +37,7 @@ const BEHIND: f32 = 4.0;
 const ORIGIN_ROOM: f32 = 1.0 / 1024.0;
 
 /// What a point of a surface sees.
-pub struct Sight<'a> {
+pub(crate) struct Sight<'a> {
     scene: &'a Scene,
     hit: &'a Interaction,
     tested: Occlusion,
@@ -53,7 +53,7 @@ impl<'a> Sight<'a> {
     /// The sight from `hit`, within the disc of `query`, by which the photons `tested` are to be judged; `None` where every photon in the
     /// disc counts.
     #[inline]
-    pub fn new(scene: &'a Scene, hit: &'a Interaction, query: &GatherQuery, tested: Occlusion) -> Option<Self> {
+    pub(crate) fn new(scene: &'a Scene, hit: &'a Interaction, query: &GatherQuery, tested: Occlusion) -> Option<Self> {
         if tested == Occlusion::Off {
             return None;
         }
@@ -78,7 +78,7 @@ impl<'a> Sight<'a> {
 
     /// Whether `photon` counts, which came from `origin_distance` m away.
     #[inline]
-    pub fn accepts(&self, photon: &Photon, origin_distance: f32, counters: &mut Counters) -> bool {
+    pub(crate) fn accepts(&self, photon: &Photon, origin_distance: f32, counters: &mut Counters) -> bool {
         let (side, obstacles) = match photon.normal().dot(self.normal) < 0.0 {
             true => (-self.normal, &self.obstacles[1]),
             false => (self.normal, &self.obstacles[0]),

@@ -15,7 +15,7 @@ use super::photon_map::{GatherQuery, Photon};
 
 /// Which tests photons have to pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Plausibility {
+pub(crate) struct Plausibility {
     /// The cosine of the largest angle between the normal and the direction that photons came from; `None` lets all count.
     pub least_arrival_cosine: Option<f32>,
     /// Whether photons behind the plane through the point do not count.
@@ -28,7 +28,7 @@ const IN_PLANE: f32 = 4.0;
 impl Plausibility {
     /// The tests at `hit`, for photons that `query` finds; `None` where all pass.
     #[inline]
-    pub fn at(&self, hit: &Interaction, query: &GatherQuery) -> Option<PlausibilityTest> {
+    pub(crate) fn at(&self, hit: &Interaction, query: &GatherQuery) -> Option<PlausibilityTest> {
         if *self == Self::default() {
             return None;
         }
@@ -44,7 +44,7 @@ impl Plausibility {
 
 /// The tests at a point.
 #[derive(Clone, Copy, Debug)]
-pub struct PlausibilityTest {
+pub(crate) struct PlausibilityTest {
     position: Vec3,
     normal: Vec3,
     both_sides: bool,
@@ -56,7 +56,7 @@ pub struct PlausibilityTest {
 impl PlausibilityTest {
     /// Whether `photon` passes.
     #[inline]
-    pub fn accepts(&self, photon: &Photon) -> bool {
+    pub(crate) fn accepts(&self, photon: &Photon) -> bool {
         let cosine = octahedral::decode(photon.direction).dot(self.normal);
         let cosine = if self.both_sides { cosine.abs() } else { cosine };
         let height = (Vec3::from_array(photon.position) - self.position).dot(self.normal);

@@ -25,11 +25,11 @@ struct Box3 {
 
 /// Boxes around all surfaces with a specular lobe.
 #[derive(Clone, Debug)]
-pub struct SpecularBoxes(Vec<Box3>);
+pub(crate) struct SpecularBoxes(Vec<Box3>);
 
 impl SpecularBoxes {
     /// Those of a scene.
-    pub fn new(scene: &Scene) -> Self {
+    pub(crate) fn new(scene: &Scene) -> Self {
         let is_specular = |shape| scene.lobes_at(shape).any(Lobes::SPECULAR);
         let all = scene.geometry.boxes_of(&is_specular);
         let room = ROOM * scene.geometry.bounding_sphere().1;
@@ -44,7 +44,7 @@ impl SpecularBoxes {
 
     /// Whether a photon may meet a specular surface first; false only where it does not.
     #[inline]
-    pub fn may_be_met(&self, photon: &EmittedPhoton) -> bool {
+    pub(crate) fn may_be_met(&self, photon: &EmittedPhoton) -> bool {
         let inverse = photon.direction.to_array().map(|component| match component.abs() < SMALLEST_COMPONENT {
             true => 1.0 / SMALLEST_COMPONENT.copysign(component),
             false => 1.0 / component,

@@ -16,7 +16,7 @@ use crate::scene::material::{Lobes, View};
 
 /// What kind of chain a path begins with [Wald 1999, section 4.6.2].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Characteristic {
+pub(crate) struct Characteristic {
     /// A bit for each interaction, 0 for reflection and 1 for transmission, behind a 1; of long chains the last 64.
     interactions: u64,
     /// Caustic photons that it left.
@@ -30,7 +30,7 @@ impl Characteristic {
 
 /// Where the chains of a pass come from.
 #[derive(Clone, Copy)]
-pub struct ChainTracer<'a> {
+pub(crate) struct ChainTracer<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// How the pass traces photons.
@@ -42,7 +42,7 @@ pub struct ChainTracer<'a> {
 impl ChainTracer<'_> {
     /// Follows the photon that starts at `start` as far as it may leave caustic photons, which are appended to `photons` as those of
     /// path `path`; its scattering has the numbers `random`.
-    pub fn trace<R: TracedPhoton>(
+    pub(crate) fn trace<R: TracedPhoton>(
         &self,
         start: &EmissionPoint,
         path: u32,

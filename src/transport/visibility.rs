@@ -8,13 +8,13 @@ use crate::scene::material::TransportMode;
 use crate::scene::{MediumIndex, Scene};
 
 /// Rays to lights end this share before the light, so that rounding does not let the light hide itself.
-pub const SHADOW_END: f32 = 1.0 - 1.0 / 65_536.0;
+pub(crate) const SHADOW_END: f32 = 1.0 - 1.0 / 65_536.0;
 /// The most surfaces that light is sampled through: what is left is lost in rounding.
 const MOST_PASSED: u32 = dimension::FLIGHTS;
 
 /// Which surfaces are in the way of light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Blockers {
+pub(crate) enum Blockers {
     /// All.
     All,
     /// Those that the camera sees.
@@ -25,7 +25,7 @@ pub enum Blockers {
 
 /// A straight line between two points that a path joins.
 #[derive(Clone, Copy, Debug)]
-pub struct Joint<'a, N> {
+pub(crate) struct Joint<'a, N> {
     /// From one to the other.
     pub ray: Ray,
     /// The medium that it begins in.
@@ -40,7 +40,7 @@ pub struct Joint<'a, N> {
 
 /// The share of light that passes: 0 where something is in the way, less than 1 where a medium is.
 #[inline(always)]
-pub fn transmittance<N: Numbers>(scene: &Scene, joint: &Joint<'_, N>, counters: &mut Counters) -> Rgb {
+pub(crate) fn transmittance<N: Numbers>(scene: &Scene, joint: &Joint<'_, N>, counters: &mut Counters) -> Rgb {
     if joint.blockers == Blockers::Turning {
         return through_surfaces(scene, *joint, counters);
     }
@@ -59,7 +59,7 @@ pub fn transmittance<N: Numbers>(scene: &Scene, joint: &Joint<'_, N>, counters: 
 
 /// The same where nothing is known to be in the way.
 #[inline(always)]
-pub fn transmittance_of_media<N: Numbers>(scene: &Scene, joint: &Joint<'_, N>) -> Rgb {
+pub(crate) fn transmittance_of_media<N: Numbers>(scene: &Scene, joint: &Joint<'_, N>) -> Rgb {
     if joint.medium.is_none() { Rgb::ONE } else { through_medium(scene, *joint, 0) }
 }
 

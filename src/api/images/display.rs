@@ -24,7 +24,7 @@ use crate::farm::job::JobStatus;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub struct PngQuery {
+pub(crate) struct PngQuery {
     /// The picture as it is, or denoised.
     #[serde(default)]
     #[param(inline)]
@@ -45,7 +45,7 @@ pub struct PngQuery {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub struct JpegQuery {
+pub(crate) struct JpegQuery {
     /// The picture as it is, or denoised.
     #[serde(default)]
     #[param(inline)]
@@ -67,7 +67,7 @@ pub struct JpegQuery {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
-pub struct WebpQuery {
+pub(crate) struct WebpQuery {
     /// The picture as it is, or denoised.
     #[serde(default)]
     #[param(inline)]
@@ -85,7 +85,7 @@ pub struct WebpQuery {
 /// What is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum ShownLayer {
+pub(crate) enum ShownLayer {
     /// The picture as it is.
     #[default]
     Color,
@@ -130,7 +130,7 @@ fn exposure_schema() -> Schema {
 }
 
 /// The endpoints of pictures to look at.
-pub fn routes() -> OpenApiRouter<ApiState> {
+pub(crate) fn routes() -> OpenApiRouter<ApiState> {
     OpenApiRouter::new().routes(routes!(image_png)).routes(routes!(image_jpg)).routes(routes!(image_webp))
 }
 
@@ -151,7 +151,7 @@ pub fn routes() -> OpenApiRouter<ApiState> {
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn image_png(
+pub(crate) async fn image_png(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     QueryValues(query): QueryValues<PngQuery>,
@@ -183,7 +183,7 @@ pub async fn image_png(
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn image_jpg(
+pub(crate) async fn image_jpg(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     QueryValues(query): QueryValues<JpegQuery>,
@@ -215,7 +215,7 @@ pub async fn image_jpg(
         (status = 422, description = "Impossible values", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub async fn image_webp(
+pub(crate) async fn image_webp(
     State(state): State<ApiState>,
     PathValue(id): PathValue<String>,
     QueryValues(query): QueryValues<WebpQuery>,

@@ -28,7 +28,7 @@ mod fits;
 mod own_error;
 mod planes;
 mod similarity;
-pub mod twins;
+pub(crate) mod twins;
 
 use super::Picture;
 pub use fits::{FEATURE_REACH, RIDGE, SLOPE_PRIOR, WINDOW};

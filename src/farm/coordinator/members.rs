@@ -236,7 +236,7 @@ async fn store_new_user(store: &Store, name: UserName, role: Role, now: i64) -> 
 }
 
 /// Makes an admin, or a further token of one, in a store that no coordinator uses.
-pub async fn make_admin(store: &Store, name: UserName) -> Result<Secret, FarmError> {
+pub(crate) async fn make_admin(store: &Store, name: UserName) -> Result<Secret, FarmError> {
     let now = super::clock::Clock::start().unix_milliseconds();
     let (_, new) = store_new_user(store, name, Role::Admin, now).await?;
     Ok(new.secret)

@@ -11,7 +11,7 @@ use crate::scene::Integrator;
 use crate::scene::light::groups::OTHERS;
 
 /// A method that was checked, and what the user should know of the choice.
-pub struct ResolvedMethod {
+pub(crate) struct ResolvedMethod {
     /// The method with all parameters.
     pub method: CheckedMethod,
     /// One sentence each.
@@ -19,12 +19,12 @@ pub struct ResolvedMethod {
 }
 
 /// Whether a request leaves the choice of the method to trials.
-pub fn asks_for_auto(request: &JobRequest) -> bool {
+pub(crate) fn asks_for_auto(request: &JobRequest) -> bool {
     request.method.as_deref() == Some(AUTO)
 }
 
 /// Chooses the method: the request's, else the scene's integrator, else `sppm`.
-pub fn resolve_method(
+pub(crate) fn resolve_method(
     request: &JobRequest,
     integrator: Option<&Integrator>,
     pixels: u64,
@@ -61,7 +61,7 @@ pub fn resolve_method(
 ///
 /// # Errors
 /// See [`method::check_light_groups`].
-pub fn resolve_light_groups(
+pub(crate) fn resolve_light_groups(
     request: &JobRequest,
     of_scene: &[String],
     method: Option<&CheckedMethod>,
@@ -76,13 +76,13 @@ pub fn resolve_light_groups(
 }
 
 /// Checks a stop rule and completes it: without any rule the method's own passes count.
-pub fn resolve_stop(stop: StopRule, method: &CheckedMethod, limits: &Limits) -> Result<StopRule, FarmError> {
+pub(crate) fn resolve_stop(stop: StopRule, method: &CheckedMethod, limits: &Limits) -> Result<StopRule, FarmError> {
     check_stop(stop, limits)?;
     Ok(StopRule { passes: if stop.is_empty() { Some(method.passes) } else { stop.passes }, ..stop })
 }
 
 /// Checks the numbers of a stop rule.
-pub fn check_stop(stop: StopRule, limits: &Limits) -> Result<(), FarmError> {
+pub(crate) fn check_stop(stop: StopRule, limits: &Limits) -> Result<(), FarmError> {
     if stop.passes.is_some_and(|passes| !(1..=limits.passes).contains(&passes)) {
         return Err(FarmError::BadRequest {
             problem: format!("stop.passes is {}", stop.passes.unwrap_or_default()),
@@ -105,7 +105,7 @@ pub fn check_stop(stop: StopRule, limits: &Limits) -> Result<(), FarmError> {
 }
 
 /// Checks that a method which never finds some of the light is not asked for an error that its own passes tell, unless that is accepted.
-pub fn check_finds_light(stop: StopRule, method: &CheckedMethod, traits: SceneTraits) -> Result<(), FarmError> {
+pub(crate) fn check_finds_light(stop: StopRule, method: &CheckedMethod, traits: SceneTraits) -> Result<(), FarmError> {
     match method::blind_spot(method, traits) {
         Some(blind_spot) if stop.error.is_some() && !stop.accepts_missing_light => Err(FarmError::BadRequest {
             problem: format!("stop.error would be met without some of the light: {}", blind_spot.trim_end_matches('.')),
@@ -116,7 +116,7 @@ pub fn check_finds_light(stop: StopRule, method: &CheckedMethod, traits: SceneTr
 }
 
 /// Checks the numbers of a cut.
-pub fn check_cut(cut: Cut) -> Result<(), FarmError> {
+pub(crate) fn check_cut(cut: Cut) -> Result<(), FarmError> {
     if let Some(passes) = cut.passes_per_shard.filter(|passes| !(1..=Cut::MOST_PASSES).contains(passes)) {
         let problem = format!("cut.passes_per_shard is {passes}");
         return Err(FarmError::BadRequest { problem, remedy: format!("give 1 to {} passes", Cut::MOST_PASSES) });
@@ -131,7 +131,7 @@ pub fn check_cut(cut: Cut) -> Result<(), FarmError> {
 }
 
 /// Checks name and tags.
-pub fn check_labels(request: &JobRequest, limits: &Limits) -> Result<(), FarmError> {
+pub(crate) fn check_labels(request: &JobRequest, limits: &Limits) -> Result<(), FarmError> {
     let Limits { name_bytes, tags, tag_bytes, .. } = *limits;
     let labels = request.name.iter().chain(&request.tags);
     if labels.flat_map(|label| label.chars()).any(is_hidden) {

@@ -14,13 +14,13 @@
 //! nobody waits for are not kept. A worker that the coordinator does not know (any more) gets 410 and registers again. Problems are plain text.
 
 mod admission;
-pub mod bearer;
+pub(crate) mod bearer;
 mod delivery;
 mod patient_stream;
 mod problem;
 mod receiving;
 pub mod server;
-pub mod visitor;
+pub(crate) mod visitor;
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -12,7 +12,7 @@ const PRIVATE_ENDS: &[&str] = &[".localhost", ".local", ".internal", ".home.arpa
 
 /// Why a request is not taken.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Stranger {
+pub(crate) enum Stranger {
     /// It was meant for another host: a public name that was pointed here, so that a page of that name may read the answers.
     Host(String),
     /// A page of another origin sent it.
@@ -30,7 +30,7 @@ impl fmt::Display for Stranger {
 
 impl Stranger {
     /// What to do about it.
-    pub fn remedy(&self) -> &'static str {
+    pub(crate) fn remedy(&self) -> &'static str {
         match self {
             Self::Host(_) => "use its address, or start it with --host-name and this name",
             Self::Origin(_) => "use the coordinator's own page, the command line or a program",
@@ -41,7 +41,7 @@ impl Stranger {
 /// Lets requests pass that are meant for this host, and changes only from pages of it. Programs that are no browsers send no origin.
 ///
 /// `names` are those by which the coordinator is called beside addresses, names without dots, and names that nobody can own publicly.
-pub fn check(method: &Method, uri: &Uri, headers: &HeaderMap, names: &[String]) -> Result<(), Stranger> {
+pub(crate) fn check(method: &Method, uri: &Uri, headers: &HeaderMap, names: &[String]) -> Result<(), Stranger> {
     let text = |name: &str| headers.get(name).map(|value| String::from_utf8_lossy(value.as_bytes()).into_owned());
     let host = text("host").or_else(|| uri.authority().map(ToString::to_string));
     for host in host.iter().cloned().chain(uri.authority().map(ToString::to_string)) {

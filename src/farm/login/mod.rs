@@ -8,7 +8,7 @@
 //! | `pending` | browsers that were sent there and are not back yet |
 //! | `requests` | requests to the provider |
 
-pub mod options;
+pub(crate) mod options;
 mod pending;
-pub mod provider;
+pub(crate) mod provider;
 mod requests;

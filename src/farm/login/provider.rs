@@ -25,7 +25,7 @@ const KEPT: Duration = Duration::from_secs(60);
 const MOST_ASKING: usize = 16;
 
 /// Where a browser comes back to, below the public address.
-pub const RETURN_PATH: &str = "/v1/session/provider/return";
+pub(crate) const RETURN_PATH: &str = "/v1/session/provider/return";
 
 /// Why somebody is not logged in.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

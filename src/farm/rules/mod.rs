@@ -12,13 +12,13 @@
 //! | [`lease`], [`roster`] | promises, and those who make them |
 
 pub mod check;
-pub mod event;
+pub(crate) mod event;
 mod granting;
-pub mod job;
+pub(crate) mod job;
 pub mod lease;
 pub mod plan;
 mod results;
-pub mod roster;
+pub(crate) mod roster;
 mod running_time;
 pub mod terms;
 mod time_left;

@@ -13,7 +13,7 @@ const FIRST_PAUSE: Duration = Duration::from_secs(5);
 /// Doublings after which pauses stay the same (5 s · 2⁶ ≈ 5 min).
 const PAUSE_DOUBLINGS: u32 = 6;
 /// How long a worker is set aside that returned wrong bits.
-pub const WRONG_BITS_PAUSE: Duration = Duration::from_secs(3600);
+pub(crate) const WRONG_BITS_PAUSE: Duration = Duration::from_secs(3600);
 
 /// For how long no work is given, and why.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,7 +18,7 @@ use super::settings::{EPOCH, meta, set_meta};
 /// How long a leader leads after it was heard of last.
 const TERM: Duration = Duration::from_secs(10);
 /// How often it says that it lives.
-pub const RENEWAL: Duration = Duration::from_secs(3);
+pub(crate) const RENEWAL: Duration = Duration::from_secs(3);
 
 /// When the term ends, milliseconds since 1970 by the database's clock.
 const UNTIL: &str = "leader_until";

@@ -17,18 +17,18 @@
 //! One set of queries serves SQLite and PostgreSQL, one port serves folders, S3 and memory: a coordinator without a data folder uses
 //! the same code on a database in memory.
 
-pub mod blobs;
+pub(crate) mod blobs;
 mod error;
 pub mod jobs;
 pub mod journal;
-pub mod leadership;
+pub(crate) mod leadership;
 mod location;
-pub mod maintenance;
-pub mod members;
+pub(crate) mod maintenance;
+pub(crate) mod members;
 pub mod scenes;
 mod schema;
 mod settings;
-pub mod webhooks;
+pub(crate) mod webhooks;
 
 use std::fs::File;
 use std::sync::Arc;

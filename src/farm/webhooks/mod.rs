@@ -7,6 +7,6 @@
 //! | [`signature`] | by which the receiver knows who sends |
 //! | [`sender`] | the requests |
 
-pub mod sender;
+pub(crate) mod sender;
 pub mod signature;
-pub mod webhook;
+pub(crate) mod webhook;

@@ -17,7 +17,7 @@ const PATIENCE: Duration = Duration::from_secs(15);
 
 /// What became of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Sent {
+pub(crate) enum Sent {
     /// It was taken.
     Taken,
     /// Nobody wants messages there any more.
@@ -27,19 +27,19 @@ pub enum Sent {
 }
 
 /// Sends messages. Nobody is followed to another address.
-pub struct Sender {
+pub(crate) struct Sender {
     http: legacy::Client<Dialer, Body>,
 }
 
 impl Sender {
     /// Trusts whom this system trusts.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let dialer = Dialer::trusting_system("webhooks with https cannot be sent");
         Self { http: legacy::Client::builder(TokioExecutor::new()).build(dialer) }
     }
 
     /// Sends a message at `seconds` since 1970.
-    pub async fn send(&self, webhook: &Webhook, message: &Message, seconds: i64) -> Sent {
+    pub(crate) async fn send(&self, webhook: &Webhook, message: &Message, seconds: i64) -> Sent {
         let request = Request::post(&webhook.url)
             .header(header::CONTENT_TYPE, "application/json")
             .header(header::USER_AGENT, concat!("photonfarm/", env!("CARGO_PKG_VERSION")))

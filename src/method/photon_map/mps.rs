@@ -39,7 +39,7 @@ use crate::scene::Scene;
 use crate::transport::counters::Step;
 
 /// The row of the table.
-pub const ENTRY: MethodEntry = MethodEntry {
+pub(crate) const ENTRY: MethodEntry = MethodEntry {
     name: "mps",
     also_called: &["metropolis_photon_sampling"],
     summary: "Metropolis photon sampling: photon maps of chains of whole paths, which users can guide",

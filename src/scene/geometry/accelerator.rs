@@ -21,7 +21,7 @@ const FEW_BLOCKS: usize = 3;
 const LANE_COST: f32 = 8.0;
 
 /// A hierarchy over primitives that it owns in its own order.
-pub struct Accelerator {
+pub(crate) struct Accelerator {
     tree: CwBvh,
     /// World units to tree units.
     scale: f32,
@@ -50,7 +50,7 @@ impl Boundable for Bounds {
 
 impl Accelerator {
     /// Builds over `primitives`; also gives the new order as indices into them.
-    pub fn build(primitives: &[Primitive]) -> (Self, Vec<u32>) {
+    pub(crate) fn build(primitives: &[Primitive]) -> (Self, Vec<u32>) {
         let boxes: Vec<(Vec3, Vec3)> = primitives.iter().map(Primitive::bounds).collect();
         let size = boxes.iter().map(|(low, high)| largest(*low).max(largest(*high))).fold(0.0, f32::max);
         let scale = scale_for(size);
@@ -84,13 +84,13 @@ impl Accelerator {
     }
 
     /// The primitives in tree order.
-    pub fn primitives(&self) -> &[Primitive] {
+    pub(crate) fn primitives(&self) -> &[Primitive] {
         &self.primitives
     }
 
     /// The nearest hit and the index of its primitive.
     #[inline]
-    pub fn nearest(&self, ray: &Ray) -> Option<(usize, PrimitiveHit)> {
+    pub(crate) fn nearest(&self, ray: &Ray) -> Option<(usize, PrimitiveHit)> {
         let shear = self.shear(ray);
         let mut nearest = PrimitiveHit::at(ray.length);
         let mut found = usize::MAX;
@@ -113,7 +113,7 @@ impl Accelerator {
 
     /// Whether anything is hit before the ray's length.
     #[inline]
-    pub fn is_blocked(&self, ray: &Ray) -> bool {
+    pub(crate) fn is_blocked(&self, ray: &Ray) -> bool {
         let shear = self.shear(ray);
         let blocks = |leaf: &Leaf| self.intersect(leaf, ray, &shear, ray.length).is_some();
         if self.blocks.len() <= FEW_BLOCKS {
@@ -124,7 +124,7 @@ impl Accelerator {
 
     /// Adds the primitives that may reach into `layer`, until there are too many.
     #[inline]
-    pub fn collect(&self, layer: &Layer, obstacles: &mut Obstacles) {
+    pub(crate) fn collect(&self, layer: &Layer, obstacles: &mut Obstacles) {
         let mut goes_on = |leaf: &Leaf| {
             let mut found = leaf.block.may_reach(layer) & ((1 << leaf.count) - 1);
             while found != 0 {
@@ -174,7 +174,7 @@ fn build_tree(bounds: &[Bounds]) -> CwBvh {
 }
 
 /// A hierarchy over boxes, whatever is in them.
-pub struct BoxTree {
+pub(crate) struct BoxTree {
     tree: CwBvh,
     /// World units to tree units.
     scale: f32,
@@ -182,7 +182,7 @@ pub struct BoxTree {
 
 impl BoxTree {
     /// Builds over boxes, each of a smallest and a largest corner; also gives the tree's order as indices into them.
-    pub fn build(boxes: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> (Self, Vec<u32>) {
+    pub(crate) fn build(boxes: impl Iterator<Item = (Vec3, Vec3)> + Clone) -> (Self, Vec<u32>) {
         let size = boxes.clone().map(|(low, high)| largest(low).max(largest(high))).fold(0.0, f32::max);
         let scale = scale_for(size);
         let bounds = padded_boxes(boxes, scale);
@@ -195,7 +195,7 @@ impl BoxTree {
     /// Shows `visit` the boxes along `ray`, by their place in the tree's order. It gives the distance of a hit nearer than
     /// all before, and from then on boxes farther away are left out.
     #[inline]
-    pub fn visit_nearest(&self, ray: &Ray, mut visit: impl FnMut(usize) -> Option<f32>) {
+    pub(crate) fn visit_nearest(&self, ray: &Ray, mut visit: impl FnMut(usize) -> Option<f32>) {
         visit_nearest(&self.tree, tree_ray(ray, self.scale), |index| match visit(index) {
             Some(distance) => distance * self.scale,
             None => f32::INFINITY,
@@ -204,7 +204,7 @@ impl BoxTree {
 
     /// Whether `layer` may reach into a box.
     #[inline]
-    pub fn may_meet(&self, layer: &Layer) -> bool {
+    pub(crate) fn may_meet(&self, layer: &Layer) -> bool {
         let mut meets = false;
         visit_boxes(&self.tree, self.scale, layer, |_| {
             meets = true;
@@ -215,7 +215,7 @@ impl BoxTree {
 
     /// Shows `visit` the boxes along `ray` until it says yes; whether it did.
     #[inline]
-    pub fn visit_any(&self, ray: &Ray, visit: impl FnMut(usize) -> bool) -> bool {
+    pub(crate) fn visit_any(&self, ray: &Ray, visit: impl FnMut(usize) -> bool) -> bool {
         visit_any(&self.tree, tree_ray(ray, self.scale), visit)
     }
 }

@@ -36,7 +36,7 @@ struct Point {
 }
 
 /// Reads a `linearcurve`.
-pub fn read_linear(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
+pub(crate) fn read_linear(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
     let curves = read_curves(fields, bundle, 2)?;
     let points: usize = curves.iter().map(Vec::len).sum();
     let segments = points - curves.len();
@@ -58,7 +58,7 @@ pub fn read_linear(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeom
 }
 
 /// Reads a `bsplinecurve`.
-pub fn read_spline(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
+pub(crate) fn read_spline(fields: &mut Fields<'_>, bundle: &Bundle) -> Result<ShapeGeometry, SceneError> {
     let curves = read_curves(fields, bundle, 4)?;
     let segments: usize = curves.iter().map(|curve| curve.len() - 3).sum();
     check_size(fields, 2 * u64::from(SIDES) * u64::from(STEPS) * segments as u64)?;

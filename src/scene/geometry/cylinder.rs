@@ -32,7 +32,7 @@ pub struct Cylinder {
 }
 
 /// Reads the shape.
-pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+pub(crate) fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let start = fields.vector("p0")?.unwrap_or(DVec3::ZERO);
     let end = fields.vector("p1")?.unwrap_or(DVec3::Z);
     let radius = positive_radius(fields)?;

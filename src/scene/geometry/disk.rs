@@ -29,7 +29,7 @@ pub struct Disk {
 }
 
 /// Reads the shape.
-pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+pub(crate) fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
     let (x, y) = (to_world.vector(DVec3::X), to_world.vector(DVec3::Y));

@@ -1,25 +1,25 @@
 //! Shapes: one file per kind, one row each in [`primitive`]'s table, all behind one accelerator.
 
-pub mod accelerator;
+pub(crate) mod accelerator;
 pub mod block;
-pub mod curve;
-pub mod cylinder;
-pub mod disk;
-pub mod instance;
+pub(crate) mod curve;
+pub(crate) mod cylinder;
+pub(crate) mod disk;
+pub(crate) mod instance;
 pub mod mesh;
 pub mod obj;
-pub mod obstacles;
+pub(crate) mod obstacles;
 pub mod one_sided_triangle;
-pub mod parameterization;
+pub(crate) mod parameterization;
 pub mod ply;
 pub mod primitive;
 pub mod ray;
-pub mod rectangle;
+pub(crate) mod rectangle;
 pub mod serialized;
-pub mod sphere;
-pub mod surface;
+pub(crate) mod sphere;
+pub(crate) mod surface;
 mod texture_point;
-pub mod transform;
+pub(crate) mod transform;
 pub mod triangle;
 pub mod triangle_mesh;
 

@@ -24,7 +24,7 @@ pub struct Rectangle {
 }
 
 /// Reads the shape.
-pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+pub(crate) fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let to_world = ToWorld::read(fields)?;
     let flip = fields.boolean("flip_normals")?.unwrap_or(false);
     // It is flat without being told so.
@@ -41,7 +41,7 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
 }
 
 /// The vectors in the plane of `x` and `y` with `dual[0]·x = dual[1]·y = 1` and `dual[0]·y = dual[1]·x = 0`.
-pub fn dual_vectors(x: DVec3, y: DVec3) -> [Vec3; 2] {
+pub(crate) fn dual_vectors(x: DVec3, y: DVec3) -> [Vec3; 2] {
     let (xx, xy, yy) = (x.dot(x), x.dot(y), y.dot(y));
     let determinant = xx * yy - xy * xy;
     [((x * yy - y * xy) / determinant).as_vec3(), ((y * xx - x * xy) / determinant).as_vec3()]

@@ -30,7 +30,7 @@ pub struct Sphere {
 }
 
 /// Reads the shape.
-pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
+pub(crate) fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
     let center = fields.vector("center")?.unwrap_or(DVec3::ZERO);
     let radius = positive_radius(fields)?;
     let to_world = ToWorld::read(fields)?;
@@ -51,7 +51,7 @@ pub fn read(fields: &mut Fields<'_>) -> Result<ShapeGeometry, SceneError> {
 }
 
 /// Reads `radius` (m, above 0, 1 by default).
-pub fn positive_radius(fields: &mut Fields<'_>) -> Result<f64, SceneError> {
+pub(crate) fn positive_radius(fields: &mut Fields<'_>) -> Result<f64, SceneError> {
     let radius = fields.float("radius")?.unwrap_or(1.0);
     if radius > 0.0 {
         return Ok(radius);

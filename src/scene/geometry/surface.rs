@@ -12,13 +12,13 @@ use super::texture_point::{Detail, TexturePoint};
 use crate::math::{Frame, warp};
 
 /// Marks a shape without light.
-pub const NO_LIGHT: u32 = u32::MAX;
+pub(crate) const NO_LIGHT: u32 = u32::MAX;
 /// From here on the numbers of lights are those of emission that is seen and lights nothing.
-pub const SEEN_ONLY: u32 = 1 << 31;
+pub(crate) const SEEN_ONLY: u32 = 1 << 31;
 /// Marks a shape that separates no media.
-pub const NO_BOUNDARY: u16 = u16::MAX;
+pub(crate) const NO_BOUNDARY: u16 = u16::MAX;
 /// Marks a hit outside of instances.
-pub const NO_INSTANCE: u32 = u32::MAX;
+pub(crate) const NO_INSTANCE: u32 = u32::MAX;
 const NO_SHADING: u32 = u32::MAX;
 
 /// What all primitives of a shape share.

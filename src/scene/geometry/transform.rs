@@ -7,17 +7,17 @@ use crate::scene::fields::Fields;
 
 /// A checked affine map from a shape's own space to the world.
 #[derive(Clone, Copy, Debug)]
-pub struct ToWorld {
+pub(crate) struct ToWorld {
     matrix: DMat4,
     normal_matrix: DMat3,
 }
 
 impl ToWorld {
     /// Leaves everything where it is.
-    pub const IDENTITY: Self = Self { matrix: DMat4::IDENTITY, normal_matrix: DMat3::IDENTITY };
+    pub(crate) const IDENTITY: Self = Self { matrix: DMat4::IDENTITY, normal_matrix: DMat3::IDENTITY };
 
     /// Reads `to_world`; the identity when it is not given.
-    pub fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
+    pub(crate) fn read(fields: &mut Fields<'_>) -> Result<Self, SceneError> {
         let matrix = fields.transform("to_world")?;
         if matrix.row(3) != glam::DVec4::W {
             let problem = "\"to_world\" is a perspective transform";
@@ -27,41 +27,35 @@ impl ToWorld {
         Ok(Self { matrix, normal_matrix })
     }
 
-    /// The same map after scaling by `radius` and moving to `center` in the shape's own space.
-    pub fn after(self, center: DVec3, radius: f64) -> Self {
-        let matrix = self.matrix * DMat4::from_translation(center) * DMat4::from_scale(DVec3::splat(radius));
-        Self { matrix, normal_matrix: self.normal_matrix / radius }
-    }
-
     /// Maps a point.
-    pub fn point(&self, point: DVec3) -> DVec3 {
+    pub(crate) fn point(&self, point: DVec3) -> DVec3 {
         self.matrix.transform_point3(point)
     }
 
     /// Maps a vector.
-    pub fn vector(&self, vector: DVec3) -> DVec3 {
+    pub(crate) fn vector(&self, vector: DVec3) -> DVec3 {
         self.matrix.transform_vector3(vector)
     }
 
     /// Maps a normal to a unit normal.
-    pub fn normal(&self, normal: DVec3) -> DVec3 {
+    pub(crate) fn normal(&self, normal: DVec3) -> DVec3 {
         (self.normal_matrix * normal).normalize()
     }
 
     /// -1 when it mirrors, else 1.
-    pub fn handedness(&self) -> f32 {
+    pub(crate) fn handedness(&self) -> f32 {
         if self.normal_matrix.determinant() < 0.0 { -1.0 } else { 1.0 }
     }
 
     /// Whether it turns the outside of a shape over that it mirrors: Mitsuba's spheres, and its meshes whose corners alone say what is outside. Other
     /// programs' shapes have `keep_outside`.
-    pub fn turns_outside(&self, fields: &mut Fields<'_>) -> Result<bool, SceneError> {
+    pub(crate) fn turns_outside(&self, fields: &mut Fields<'_>) -> Result<bool, SceneError> {
         let keeps = fields.boolean("keep_outside")?.unwrap_or(false);
         Ok(!keeps && self.handedness() < 0.0)
     }
 
     /// Whether it scales all lengths by one factor.
-    pub fn is_similarity(&self) -> bool {
+    pub(crate) fn is_similarity(&self) -> bool {
         let columns = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| self.vector(axis));
         let scale = columns[0].length();
         let even = columns.iter().all(|column| (column.length() - scale).abs() <= 1e-4 * scale);
@@ -70,7 +64,7 @@ impl ToWorld {
     }
 
     /// Fails at `to_world` when it is not a similarity.
-    pub fn check_similarity(&self, fields: &Fields<'_>) -> Result<(), SceneError> {
+    pub(crate) fn check_similarity(&self, fields: &Fields<'_>) -> Result<(), SceneError> {
         if self.is_similarity() {
             return Ok(());
         }
@@ -79,12 +73,12 @@ impl ToWorld {
     }
 
     /// The factor by which it scales x, after its rotation is taken off. Of a similarity that of all lengths.
-    pub fn scale(&self) -> f64 {
+    pub(crate) fn scale(&self) -> f64 {
         if self.is_similarity() { self.vector(DVec3::X).length() } else { self.decomposed().1.x_axis.x.abs() }
     }
 
     /// The rotation and the stretch whose product is the linear part: its polar decomposition [Higham 1986].
-    pub fn decomposed(&self) -> (DMat3, DMat3) {
+    pub(crate) fn decomposed(&self) -> (DMat3, DMat3) {
         let linear = DMat3::from_mat4(self.matrix);
         let mut rotation = linear;
         for _ in 0..32 {
@@ -95,7 +89,7 @@ impl ToWorld {
 }
 
 /// To single precision; an error when the numbers do not fit.
-pub fn to_single(point: DVec3, fields: &Fields<'_>) -> Result<Vec3, SceneError> {
+pub(crate) fn to_single(point: DVec3, fields: &Fields<'_>) -> Result<Vec3, SceneError> {
     let single = point.as_vec3();
     if single.is_finite() {
         return Ok(single);

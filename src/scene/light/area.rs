@@ -70,7 +70,7 @@ const PICKS_BY_AREA: f64 = 0.125;
 const ROUNDING: f32 = 1e-4;
 
 /// Reads the parameters.
-pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
+pub(crate) fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
     let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
     let mut flag = |name: &'static str| fields.boolean(name).map(|flag| flag.unwrap_or(false));
     let (two_sided, seen_only) = (flag("two_sided")?, flag("seen_only")?);
@@ -78,7 +78,10 @@ pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result
 }
 
 /// Reads the parameters of `directionalarea`.
-pub fn read_along_normal(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Emission, SceneError> {
+pub(crate) fn read_along_normal(
+    fields: &mut Fields<'_>,
+    textures: &mut TextureReader<'_>,
+) -> Result<Emission, SceneError> {
     let radiance = textures.color(fields, "radiance")?.unwrap_or(Texture::grey(1.0));
     Ok(Emission { radiance, two_sided: false, seen_only: false, along_normal: true, group: groups::read(fields)? })
 }

@@ -30,7 +30,7 @@ pub struct DirectionalArea {
 }
 
 /// Whether primitives lie in one plane, all with the same outside.
-pub fn is_flat(primitives: &[Primitive]) -> bool {
+pub(crate) fn is_flat(primitives: &[Primitive]) -> bool {
     /// Rounding of normals, and of places as a share of the shape's size.
     const ROUNDING: f32 = 1e-4;
     let Some(first) = primitives.first().map(|primitive| primitive.sample([0.5; 2])) else { return false };

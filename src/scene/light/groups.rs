@@ -4,9 +4,9 @@ use crate::scene::error::{Location, SceneError};
 use crate::scene::fields::Fields;
 
 /// The group of lights that name none.
-pub const OTHERS: &str = "others";
+pub(crate) const OTHERS: &str = "others";
 /// So many groups may be kept apart.
-pub const MOST_GROUPS: usize = 16;
+pub(crate) const MOST_GROUPS: usize = 16;
 /// The parameter of emitters.
 const PARAMETER: &str = "light_group";
 /// Bytes of a name.
@@ -25,7 +25,7 @@ pub struct GroupName {
 ///
 /// # Errors
 /// Names that are empty, too long, or cannot be part of a layer's name.
-pub fn read(fields: &mut Fields<'_>) -> Result<Option<GroupName>, SceneError> {
+pub(crate) fn read(fields: &mut Fields<'_>) -> Result<Option<GroupName>, SceneError> {
     let Some(name) = fields.string(PARAMETER)? else { return Ok(None) };
     let is_part = |letter: char| letter.is_ascii_alphanumeric() || ['_', '-'].contains(&letter);
     if name.is_empty() || name.len() > LONGEST || !name.chars().all(is_part) {

@@ -3,26 +3,26 @@
 //! Conventions: `radiance` is W·sr⁻¹·m⁻², `flux` is W; densities name their measure. A light is sampled in two ways: towards a
 //! given point (direct light), and outwards (photons).
 
-pub mod area;
-pub mod constant;
+pub(crate) mod area;
+pub(crate) mod constant;
 mod dark;
-pub mod directional;
-pub mod directional_area;
+pub(crate) mod directional;
+pub(crate) mod directional_area;
 pub mod emission_guide;
-pub mod environment_map;
-pub mod groups;
-pub mod ies;
+pub(crate) mod environment_map;
+pub(crate) mod groups;
+pub(crate) mod ies;
 pub mod importance;
 pub mod importance_sampler;
-pub mod point;
-pub mod projector;
+pub(crate) mod point;
+pub(crate) mod projector;
 mod read;
-pub mod spot;
-pub mod sun_sky;
-pub mod surroundings;
-pub mod table;
+pub(crate) mod spot;
+pub(crate) mod sun_sky;
+pub(crate) mod surroundings;
+pub(crate) mod table;
 pub mod visibility;
-pub mod whereabouts;
+pub(crate) mod whereabouts;
 
 use glam::DVec3;
 

@@ -26,7 +26,7 @@ pub struct Point {
 }
 
 /// Reads `intensity`.
-pub fn read_intensity(fields: &mut Fields<'_>) -> Result<Rgb, SceneError> {
+pub(crate) fn read_intensity(fields: &mut Fields<'_>) -> Result<Rgb, SceneError> {
     let rgb = fields.rgb("intensity")?.unwrap_or([1.0; 3]);
     Ok(Rgb::new(rgb[0] as f32, rgb[1] as f32, rgb[2] as f32))
 }

@@ -22,7 +22,7 @@ mod average;
 mod date;
 mod model;
 mod position;
-pub mod timed;
+pub(crate) mod timed;
 
 use std::sync::Arc;
 

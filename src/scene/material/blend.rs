@@ -24,7 +24,7 @@ pub struct Blend {
 }
 
 /// Reads a number within [0, 1] that may be a texture.
-pub fn read_share(
+pub(crate) fn read_share(
     fields: &mut Fields<'_>,
     textures: &mut TextureReader<'_>,
     name: &'static str,

@@ -22,7 +22,7 @@ pub struct Conductor {
 }
 
 /// Reads `material`, or `eta` and `k`; `None` is the perfect mirror.
-pub fn read_index(fields: &mut Fields<'_>) -> Result<Option<(Rgb, Rgb)>, SceneError> {
+pub(crate) fn read_index(fields: &mut Fields<'_>) -> Result<Option<(Rgb, Rgb)>, SceneError> {
     let to_single = |rgb: [f64; 3]| Rgb::new(rgb[0] as f32, rgb[1] as f32, rgb[2] as f32);
     let material = fields.string("material")?;
     let (eta, k) = (fields.rgb("eta")?, fields.rgb("k")?);

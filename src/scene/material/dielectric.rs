@@ -25,7 +25,7 @@ pub struct Dielectric {
 }
 
 /// Reads an index of refraction given as a number or a name.
-pub fn read_index(fields: &mut Fields<'_>, name: &'static str, default: &str) -> Result<f32, SceneError> {
+pub(crate) fn read_index(fields: &mut Fields<'_>, name: &'static str, default: &str) -> Result<f32, SceneError> {
     let by_name = |wanted: &str| {
         let wanted = wanted.to_lowercase();
         REFRACTIVE_INDICES.iter().find(|(known, _)| *known == wanted).map(|(_, index)| *index)

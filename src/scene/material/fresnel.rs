@@ -4,7 +4,7 @@ use crate::math::Rgb;
 
 /// What happens to light at a smooth boundary between two transparent media.
 #[derive(Clone, Copy, Debug)]
-pub struct DielectricBoundary {
+pub(crate) struct DielectricBoundary {
     /// Share of unpolarised light that is reflected, 0 to 1.
     pub reflected: f32,
     /// Cosine of the refracted direction against the normal on its own side, at least 0.
@@ -14,7 +14,7 @@ pub struct DielectricBoundary {
 /// Fresnel's equations for unpolarised light. `cosine` ≥ 0 on the side where light arrives, `relative_index` is the index
 /// behind the boundary over the index before it.
 #[inline]
-pub fn dielectric(cosine: f32, relative_index: f32) -> DielectricBoundary {
+pub(crate) fn dielectric(cosine: f32, relative_index: f32) -> DielectricBoundary {
     let sine_squared = (1.0 - cosine * cosine).max(0.0) / (relative_index * relative_index);
     if sine_squared >= 1.0 {
         return DielectricBoundary { reflected: 1.0, cosine_refracted: 0.0 };
@@ -28,7 +28,7 @@ pub fn dielectric(cosine: f32, relative_index: f32) -> DielectricBoundary {
 
 /// Fresnel reflectance of a metal with complex index `eta + i·k` seen from air, per channel.
 #[inline]
-pub fn conductor(cosine: f32, eta: Rgb, k: Rgb) -> Rgb {
+pub(crate) fn conductor(cosine: f32, eta: Rgb, k: Rgb) -> Rgb {
     let cosine_squared = cosine * cosine;
     let sine_squared = 1.0 - cosine_squared;
     let (eta_squared, k_squared) = (eta * eta, k * k);
@@ -47,7 +47,7 @@ pub fn conductor(cosine: f32, eta: Rgb, k: Rgb) -> Rgb {
 /// The mean reflectance of a smooth boundary for light from all directions, by the fits that Mitsuba uses: [Egan &
 /// Hilgeman 1973] below 1 (error up to 0.1 % down to 1/1.5, 0.6 % down to 1/2, 10 % at 1/5) and [d'Eon & Irving 2011]
 /// above (0.2 %). `relative_index` is the index behind the boundary over the index before it.
-pub fn mean_reflectance(relative_index: f32) -> f32 {
+pub(crate) fn mean_reflectance(relative_index: f32) -> f32 {
     let inverse = 1.0 / relative_index;
     if relative_index < 1.0 {
         return -1.4399 * relative_index * relative_index + 0.7099 * relative_index + 0.6681 + 0.0636 * inverse;
@@ -59,13 +59,13 @@ pub fn mean_reflectance(relative_index: f32) -> f32 {
 /// Schlick's approximation from `normal_reflectance` at normal incidence; inside the denser medium it takes the refracted
 /// cosine. `cosine` and `relative_index` as for [`dielectric`].
 #[inline]
-pub fn schlick(normal_reflectance: Rgb, cosine: f32, relative_index: f32) -> Rgb {
+pub(crate) fn schlick(normal_reflectance: Rgb, cosine: f32, relative_index: f32) -> Rgb {
     let thinner = if relative_index > 1.0 { cosine } else { dielectric(cosine, relative_index).cosine_refracted };
     normal_reflectance + (Rgb::ONE - normal_reflectance) * schlick_weight(thinner)
 }
 
 /// (1 − cosine)⁵.
 #[inline]
-pub fn schlick_weight(cosine: f32) -> f32 {
+pub(crate) fn schlick_weight(cosine: f32) -> f32 {
     (1.0 - cosine).clamp(0.0, 1.0).powi(5)
 }

@@ -8,7 +8,7 @@
 
 /// `(name, eta, k)`: the refractive index is `eta + i·k`, relative to vacuum, dimensionless.
 #[rustfmt::skip] // one metal per line
-pub const METALS: &[(&str, [f32; 3], [f32; 3])] = &[
+pub(crate) const METALS: &[(&str, [f32; 3], [f32; 3])] = &[
     ("a-C", [2.9440458, 2.2271364, 1.9681617], [0.8874649, 0.7992985, 0.81529]),
     ("Ag", [0.1552762, 0.116727956, 0.13838764], [4.8283544, 3.1222224, 2.1469011]),
     ("Al", [1.6575009, 0.8804047, 0.52124447], [9.223811, 6.269502, 4.837004]),

@@ -26,11 +26,11 @@ use crate::scene::geometry::TexturePoint;
 use crate::scene::texture::{Texture, TextureReader};
 
 /// The least roughness, that of Mitsuba.
-pub const LEAST_ALPHA: f32 = 1e-4;
+pub(crate) const LEAST_ALPHA: f32 = 1e-4;
 
 /// The shape of a distribution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shape {
+pub(crate) enum Shape {
     /// Gaussian slopes.
     Beckmann,
     /// Trowbridge and Reitz's, with longer tails.
@@ -39,7 +39,7 @@ pub enum Shape {
 
 /// The distribution of microfacet normals at one place.
 #[derive(Clone, Copy, Debug)]
-pub struct Microfacets {
+pub(crate) struct Microfacets {
     shape: Shape,
     alpha_u: f32,
     alpha_v: f32,
@@ -47,13 +47,13 @@ pub struct Microfacets {
 
 impl Microfacets {
     /// A distribution with roughness `alpha_u` along x and `alpha_v` along y, each raised to [`LEAST_ALPHA`].
-    pub fn new(shape: Shape, alpha_u: f32, alpha_v: f32) -> Self {
+    pub(crate) fn new(shape: Shape, alpha_u: f32, alpha_v: f32) -> Self {
         Self { shape, alpha_u: alpha_u.max(LEAST_ALPHA), alpha_v: alpha_v.max(LEAST_ALPHA) }
     }
 
     /// D(m): area of microfacets with unit normal `normal` (z ≥ 0) per surface area and solid angle, 1/sr.
     #[inline]
-    pub fn density(&self, normal: Vec3) -> f32 {
+    pub(crate) fn density(&self, normal: Vec3) -> f32 {
         if normal.z <= 0.0 {
             return 0.0;
         }
@@ -74,7 +74,7 @@ impl Microfacets {
 
     /// Smith's G1: share of the microfacets with normal `normal` that `direction` sees.
     #[inline]
-    pub fn visible_share(&self, direction: Vec3, normal: Vec3) -> f32 {
+    pub(crate) fn visible_share(&self, direction: Vec3, normal: Vec3) -> f32 {
         if direction.dot(normal) * direction.z <= 0.0 {
             return 0.0;
         }
@@ -88,13 +88,13 @@ impl Microfacets {
 
     /// G: share of the microfacets with normal `normal` that both directions see.
     #[inline]
-    pub fn shadowing(&self, outgoing: Vec3, incident: Vec3, normal: Vec3) -> f32 {
+    pub(crate) fn shadowing(&self, outgoing: Vec3, incident: Vec3, normal: Vec3) -> f32 {
         self.visible_share(outgoing, normal) * self.visible_share(incident, normal)
     }
 
     /// A normal among those that `direction` (z > 0) sees.
     #[inline]
-    pub fn visible_normal(&self, direction: Vec3, u: [f32; 2]) -> Vec3 {
+    pub(crate) fn visible_normal(&self, direction: Vec3, u: [f32; 2]) -> Vec3 {
         let stretched = Vec3::new(direction.x * self.alpha_u, direction.y * self.alpha_v, direction.z).normalize();
         let normal = match self.shape {
             Shape::Beckmann => beckmann_normal(stretched, u),
@@ -105,7 +105,7 @@ impl Microfacets {
 
     /// The density of [`Self::visible_normal`] over normals by solid angle.
     #[inline]
-    pub fn visible_pdf(&self, direction: Vec3, normal: Vec3) -> f32 {
+    pub(crate) fn visible_pdf(&self, direction: Vec3, normal: Vec3) -> f32 {
         let cosine = direction.dot(normal);
         if cosine <= 0.0 || direction.z <= 0.0 {
             return 0.0;
@@ -178,14 +178,14 @@ fn slope(cosine: f64, sine: f64, u: f32) -> f32 {
 
 /// The mirror image of `direction` at a plane with unit normal `normal`.
 #[inline]
-pub fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
+pub(crate) fn reflect(direction: Vec3, normal: Vec3) -> Vec3 {
     2.0 * direction.dot(normal) * normal - direction
 }
 
 /// D·G/(4·cos θo·cos θi) at a half vector of two directions on the front, without Fresnel's factor, and the density of
 /// mirroring `outgoing` at visible normals, both 1/sr [Walter et al. 2007, eq. 20 and 14].
 #[inline]
-pub fn reflection(microfacets: &Microfacets, outgoing: Vec3, incident: Vec3, half: Vec3) -> (f32, f32) {
+pub(crate) fn reflection(microfacets: &Microfacets, outgoing: Vec3, incident: Vec3, half: Vec3) -> (f32, f32) {
     let density = microfacets.density(half);
     let value = density * microfacets.shadowing(outgoing, incident, half) / (4.0 * outgoing.z * incident.z);
     let pdf = microfacets.visible_pdf(outgoing, half) / (4.0 * outgoing.dot(half));
@@ -194,7 +194,7 @@ pub fn reflection(microfacets: &Microfacets, outgoing: Vec3, incident: Vec3, hal
 
 /// Refraction at a microfacet, without its transmittance.
 #[derive(Clone, Copy, Debug)]
-pub struct Refraction {
+pub(crate) struct Refraction {
     /// Share of the light that the microfacet reflects instead.
     pub reflected: f32,
     /// The BSDF for flux, 1/sr; that for radiance is this over the squared relative index.
@@ -206,7 +206,7 @@ pub struct Refraction {
 /// Refraction between `outgoing` on the front and `incident` behind [Walter et al. 2007, eq. 16, 17 and 21]; `None` where
 /// no microfacet does it. `relative_index` is the index behind over that before.
 #[inline]
-pub fn refraction(
+pub(crate) fn refraction(
     microfacets: &Microfacets,
     outgoing: Vec3,
     incident: Vec3,
@@ -228,7 +228,7 @@ pub fn refraction(
 
 /// The `distribution` and roughness parameters.
 #[derive(Clone, Debug)]
-pub struct Roughness {
+pub(crate) struct Roughness {
     shape: Shape,
     alpha_u: Texture,
     alpha_v: Texture,
@@ -237,7 +237,7 @@ pub struct Roughness {
 
 impl Roughness {
     /// Reads the parameters, isotropic ones only where `anisotropic` is false.
-    pub fn read(
+    pub(crate) fn read(
         fields: &mut Fields<'_>,
         textures: &mut TextureReader<'_>,
         anisotropic: bool,
@@ -250,18 +250,18 @@ impl Roughness {
 
     /// The distribution at `point`.
     #[inline]
-    pub fn at(&self, point: &TexturePoint) -> Microfacets {
+    pub(crate) fn at(&self, point: &TexturePoint) -> Microfacets {
         Microfacets::new(self.shape, self.alpha_u.number(point), self.alpha_v.number(point))
     }
 
     /// Whether it is textured.
-    pub fn varies(&self) -> bool {
+    pub(crate) fn varies(&self) -> bool {
         self.alpha_u.varies() || self.alpha_v.varies()
     }
 
     /// Wide or narrow.
     #[inline]
-    pub fn lobes(&self) -> Lobes {
+    pub(crate) fn lobes(&self) -> Lobes {
         self.lobes
     }
 }
@@ -278,7 +278,7 @@ fn read_shape(fields: &mut Fields<'_>) -> Result<Shape, SceneError> {
 }
 
 /// Reads `alpha`, or `alpha_u` and `alpha_v`.
-pub fn read_alphas(
+pub(crate) fn read_alphas(
     fields: &mut Fields<'_>,
     textures: &mut TextureReader<'_>,
     anisotropic: bool,
@@ -322,13 +322,13 @@ fn read_alpha(
 }
 
 /// The mean of two roughnesses over texture coordinates.
-pub fn mean_alpha(alpha_u: &Texture, alpha_v: &Texture) -> f32 {
+pub(crate) fn mean_alpha(alpha_u: &Texture, alpha_v: &Texture) -> f32 {
     let varies = alpha_u.varies() || alpha_v.varies();
     mean_over_grid(varies, |point| 0.5 * (alpha_u.number(point) + alpha_v.number(point)))
 }
 
 /// The mean of `value` over a grid of texture coordinates, or its only value where it does not vary.
-pub fn mean_over_grid(varies: bool, value: impl Fn(&TexturePoint) -> f32) -> f32 {
+pub(crate) fn mean_over_grid(varies: bool, value: impl Fn(&TexturePoint) -> f32) -> f32 {
     const SIDE: usize = 16;
     if !varies {
         return value(&TexturePoint::default());
@@ -339,7 +339,7 @@ pub fn mean_over_grid(varies: bool, value: impl Fn(&TexturePoint) -> f32) -> f32
 
 /// D of [`Shape::Beckmann`] sampled over all normals instead of visible ones, by its cosine [Walter et al. 2007, eq. 28].
 #[inline]
-pub fn gaussian_normal(alpha_u: f32, alpha_v: f32, u: [f32; 2]) -> Vec3 {
+pub(crate) fn gaussian_normal(alpha_u: f32, alpha_v: f32, u: [f32; 2]) -> Vec3 {
     let radius = (-libm::logf(1.0 - u[0])).sqrt();
     let (sin, cos) = sin_cos_turn(u[1]);
     Vec3::new(alpha_u * radius * cos, alpha_v * radius * sin, 1.0).normalize()
@@ -347,18 +347,18 @@ pub fn gaussian_normal(alpha_u: f32, alpha_v: f32, u: [f32; 2]) -> Vec3 {
 
 /// Burley's GTR1 with roughness `alpha` < 1, isotropic: density and sampling by its cosine [Burley 2012, appendix B].
 #[derive(Clone, Copy, Debug)]
-pub struct LongTail {
+pub(crate) struct LongTail {
     alpha_squared: f32,
 }
 
 impl LongTail {
     /// A distribution of roughness `alpha`, above 0 and below 1.
-    pub fn new(alpha: f32) -> Self {
+    pub(crate) fn new(alpha: f32) -> Self {
         Self { alpha_squared: alpha * alpha }
     }
 
     /// D(m), 1/sr.
-    pub fn density(&self, normal: Vec3) -> f32 {
+    pub(crate) fn density(&self, normal: Vec3) -> f32 {
         let below_one = self.alpha_squared - 1.0;
         let sine_squared = normal.x * normal.x + normal.y * normal.y;
         // 1 + (α² − 1)·cos², without cancellation near the pole.
@@ -367,7 +367,7 @@ impl LongTail {
     }
 
     /// A normal with density D·cos θ.
-    pub fn normal(&self, u: [f32; 2]) -> Vec3 {
+    pub(crate) fn normal(&self, u: [f32; 2]) -> Vec3 {
         let power = libm::powf(self.alpha_squared, 1.0 - u[0]);
         let sine_squared = ((power - self.alpha_squared) / (1.0 - self.alpha_squared)).clamp(0.0, 1.0);
         let (sin, cos) = sin_cos_turn(u[1]);

@@ -34,7 +34,7 @@ pub struct Plastic {
 
 /// The matte base under a clear coat.
 #[derive(Clone, Debug)]
-pub struct CoatedBase {
+pub(crate) struct CoatedBase {
     /// Share of light that it reflects.
     pub reflectance: Texture,
     nonlinear: bool,
@@ -45,7 +45,7 @@ pub struct CoatedBase {
 
 impl CoatedBase {
     /// Reads `diffuse_reflectance` and `nonlinear`.
-    pub fn read(
+    pub(crate) fn read(
         fields: &mut Fields<'_>,
         textures: &mut TextureReader<'_>,
         relative_index: f32,
@@ -61,7 +61,7 @@ impl CoatedBase {
 
     /// The BSDF without the coat's transmittance, 1/sr.
     #[inline]
-    pub fn value(&self, view: &View) -> Rgb {
+    pub(crate) fn value(&self, view: &View) -> Rgb {
         let reflectance = self.reflectance.color(&view.point);
         let trapped = if self.nonlinear { reflectance } else { Rgb::ONE } * self.internal_reflectance;
         reflectance * (FRAC_1_PI * self.inverse_index_squared) / (Rgb::ONE - trapped)

@@ -5,7 +5,7 @@
 
 /// `(name, index)`: the real refractive index, relative to vacuum, dimensionless. Names are lowercase.
 #[rustfmt::skip] // one medium per line, grouped as gases, liquids, solids
-pub const REFRACTIVE_INDICES: &[(&str, f32)] = &[
+pub(crate) const REFRACTIVE_INDICES: &[(&str, f32)] = &[
     ("vacuum", 1.0),
     ("helium", 1.000036),
     ("hydrogen", 1.000132),

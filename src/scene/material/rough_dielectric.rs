@@ -122,7 +122,7 @@ impl RoughDielectric {
 }
 
 /// Reads `int_ior` over `ext_ior`, which must differ.
-pub fn read_relative_index(fields: &mut Fields<'_>, interior: &str) -> Result<f32, SceneError> {
+pub(crate) fn read_relative_index(fields: &mut Fields<'_>, interior: &str) -> Result<f32, SceneError> {
     let relative_index = read_index(fields, "int_ior", interior)? / read_index(fields, "ext_ior", "air")?;
     if relative_index == 1.0 {
         let problem = "\"int_ior\" and \"ext_ior\" are equal: such a boundary does nothing";
@@ -133,14 +133,14 @@ pub fn read_relative_index(fields: &mut Fields<'_>, interior: &str) -> Result<f3
 
 /// `outgoing` (on the front) refracted at `normal`.
 #[inline]
-pub fn refract(outgoing: Vec3, normal: Vec3, cosine_refracted: f32, relative_index: f32) -> Vec3 {
+pub(crate) fn refract(outgoing: Vec3, normal: Vec3, cosine_refracted: f32, relative_index: f32) -> Vec3 {
     let inverse = 1.0 / relative_index;
     (outgoing.dot(normal) * inverse - cosine_refracted) * normal - outgoing * inverse
 }
 
 /// What refraction does to what a path carries: radiance scales by the inverse squared index along the path.
 #[inline]
-pub fn refraction_scale(mode: TransportMode, relative_index: f32) -> f32 {
+pub(crate) fn refraction_scale(mode: TransportMode, relative_index: f32) -> f32 {
     match mode {
         TransportMode::Radiance => 1.0 / (relative_index * relative_index),
         TransportMode::Flux => 1.0,

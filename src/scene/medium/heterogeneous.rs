@@ -18,7 +18,7 @@ const MOST_COLLISIONS: u32 = 1 << 16;
 
 /// A medium that varies.
 #[derive(Clone, Debug)]
-pub struct Heterogeneous {
+pub(crate) struct Heterogeneous {
     extinction: Volume,
     albedo: Volume,
     /// Factor on the extinction.

@@ -4,7 +4,7 @@ use crate::math::Rgb;
 
 /// A medium that absorbs and scatters the same everywhere.
 #[derive(Clone, Copy, Debug)]
-pub struct Homogeneous {
+pub(crate) struct Homogeneous {
     /// Absorption and scattering together, m⁻¹.
     extinction: Rgb,
     /// Scattering, m⁻¹.

@@ -15,9 +15,9 @@ mod homogeneous;
 mod phase;
 mod volume;
 
-pub use heterogeneous::Heterogeneous;
-pub use homogeneous::Homogeneous;
-pub use phase::Phase;
+pub(crate) use heterogeneous::Heterogeneous;
+pub(crate) use homogeneous::Homogeneous;
+pub(crate) use phase::Phase;
 
 use super::bundle::Bundle;
 use super::description::{Node, PluginClass};

@@ -33,14 +33,14 @@ const IN_PLY_FILES: &str = "in a PLY file, one property or three in a row are an
 
 /// An attribute of the shape that the texture belongs to.
 #[derive(Clone, Debug)]
-pub struct AttributeTexture {
+pub struct OfMesh {
     values: Arc<[Rgb]>,
     corners: Arc<[[u32; 3]]>,
     scale: f32,
     mean: Rgb,
 }
 
-impl AttributeTexture {
+impl OfMesh {
     /// Reads the parameters, and finds the attribute in the shape that is being read.
     pub fn read(fields: &mut Fields<'_>, textures: &mut TextureReader<'_>) -> Result<Self, SceneError> {
         let Some(name) = fields.string("name")? else {

@@ -1,13 +1,13 @@
 //! Textures: what varies over a surface. Every parameter that may be textured is a [`Texture`]; most are constant. One file
 //! per kind, one row in `textures!`; [`TextureReader`] reads them.
 
-pub mod bitmap;
-pub mod checkerboard;
+pub(crate) mod bitmap;
+pub(crate) mod checkerboard;
 mod image_file;
-pub mod mesh_attribute;
-pub mod raster;
-pub mod reader;
-pub mod scale;
+pub(crate) mod mesh_attribute;
+pub(crate) mod raster;
+pub(crate) mod reader;
+pub(crate) mod scale;
 mod to_uv;
 
 use std::sync::Arc;
@@ -18,12 +18,12 @@ use super::geometry::TexturePoint;
 use super::unsupported::unknown_plugin;
 use crate::math::{Rgb, Vec2, color};
 
-pub use bitmap::Bitmap;
-pub use checkerboard::Checkerboard;
-pub use mesh_attribute::{AttributeTexture, MeshAttribute};
-pub use raster::Raster;
-pub use reader::TextureReader;
-pub use scale::Scale;
+pub(crate) use bitmap::Bitmap;
+pub(crate) use checkerboard::Checkerboard;
+pub(crate) use mesh_attribute::{MeshAttribute, OfMesh};
+pub(crate) use raster::Raster;
+pub(crate) use reader::TextureReader;
+pub(crate) use scale::Scale;
 
 /// The plugin of [`Texture::Constant`]: a color, vector or number `value`, 1 by default.
 const CONSTANT: &str = "rawconstant";
@@ -85,7 +85,7 @@ macro_rules! textures {
 textures! {
     Bitmap = "bitmap",
     Checkerboard = "checkerboard",
-    AttributeTexture = "mesh_attribute",
+    OfMesh = "mesh_attribute",
     Scale = "scale",
 }
 

@@ -23,7 +23,7 @@ mod media;
 mod selection;
 mod stored_vertex;
 mod vertex;
-pub mod weights;
+pub(crate) mod weights;
 
 pub use camera_walk::CameraWalk;
 pub use joining::{Merging, SeenVertex, connect, direct_light, for_each_pixel, merge, to_camera};

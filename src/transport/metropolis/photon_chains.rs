@@ -59,7 +59,7 @@ const MOVED: [usize; 6] = [
 const BLOCKS: usize = MOVED[5] + 1;
 
 /// How photons are made of a path's numbers.
-pub trait PhotonTracer: Sync {
+pub(crate) trait PhotonTracer: Sync {
     /// What a path leaves.
     type Photon: PhotonRecord;
 
@@ -68,7 +68,7 @@ pub trait PhotonTracer: Sync {
 }
 
 /// Photons that are stored as settings say.
-pub struct StoringTracer<'a, R> {
+pub(crate) struct StoringTracer<'a, R> {
     /// The scene.
     pub scene: &'a Scene,
     /// Which photons are stored.
@@ -87,7 +87,7 @@ impl<R: TracedPhoton> PhotonTracer for StoringTracer<'_, R> {
 }
 
 /// Makes the photons of a pass by `T`; `I` says how important a photon is to the picture, above 0 and at most 1.
-pub struct PhotonChains<'a, T, I> {
+pub(crate) struct PhotonChains<'a, T, I> {
     /// How a path becomes photons.
     pub tracer: T,
     /// How important they are.
@@ -105,7 +105,7 @@ pub struct PhotonChains<'a, T, I> {
 }
 
 /// How many of a pass's paths should be sampled uniformly.
-pub fn uniform_of(paths: u32) -> u32 {
+pub(crate) fn uniform_of(paths: u32) -> u32 {
     paths.div_ceil(UNIFORM)
 }
 
@@ -165,7 +165,7 @@ impl Weights {
 }
 
 /// What trials told.
-pub struct Tried {
+pub(crate) struct Tried {
     /// As far as it is known.
     weights: Weights,
     /// The largest step of small changes.
@@ -183,14 +183,14 @@ struct UniformPaths<R> {
 
 impl Tried {
     /// As many uniform paths leave photons as densely where the picture looks.
-    pub fn visible_paths(&self) -> f32 {
+    pub(crate) fn visible_paths(&self) -> f32 {
         self.weights.uniform + self.weights.chained / self.weights.expected
     }
 }
 
 impl<T: PhotonTracer, I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, T, I> {
     /// The photons of the pass, in the order of their paths; `None` when cancelled.
-    pub fn trace(&self, grid: &Grid, cancel: &AtomicBool) -> Option<(Vec<PhotonChunk<T::Photon>>, Counters)> {
+    pub(crate) fn trace(&self, grid: &Grid, cancel: &AtomicBool) -> Option<(Vec<PhotonChunk<T::Photon>>, Counters)> {
         let tried = self.tried(cancel)?;
         let UniformPaths { mut chunks, targets, mut counters } = self.uniform(&tried, grid, cancel)?;
         let (chained, found) = self.from(&tried, &targets, grid, cancel)?;
@@ -202,12 +202,12 @@ impl<T: PhotonTracer, I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, T, I> {
     }
 
     /// n_u + n_c, over which photons are averaged.
-    pub fn paths(&self) -> u64 {
+    pub(crate) fn paths(&self) -> u64 {
         u64::from(self.uniform) + u64::from(self.chained)
     }
 
     /// Traces paths that are nothing else; `None` when cancelled.
-    pub fn tried(&self, cancel: &AtomicBool) -> Option<Tried> {
+    pub(crate) fn tried(&self, cancel: &AtomicBool) -> Option<Tried> {
         let count = (self.uniform + self.chained).div_ceil(TRIALS);
         let (targets, mut counters) = trace_chunks(count, cancel, |paths, counters| {
             let mut photons = Vec::new();
@@ -236,7 +236,7 @@ impl<T: PhotonTracer, I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, T, I> {
     }
 
     /// Makes the photons of a uniform path count as they should; its target.
-    pub fn weigh(&self, tried: &Tried, photons: &mut [T::Photon]) -> f64 {
+    pub(crate) fn weigh(&self, tried: &Tried, photons: &mut [T::Photon]) -> f64 {
         let target = self.target(photons);
         let weight = tried.weights.of_uniform(target);
         photons.iter_mut().for_each(|photon| *photon = photon.scaled(weight));
@@ -244,7 +244,7 @@ impl<T: PhotonTracer, I: Fn(&Photon) -> f32 + Sync> PhotonChains<'_, T, I> {
     }
 
     /// The photons of chains that start at uniform paths with these targets; `None` when cancelled.
-    pub fn from(
+    pub(crate) fn from(
         &self,
         tried: &Tried,
         targets: &[f64],

@@ -10,7 +10,7 @@ use crate::transport::Counters;
 use crate::transport::counters::Step;
 
 /// Multiplexed paths.
-pub struct PrimarySpace<'a> {
+pub(crate) struct PrimarySpace<'a> {
     /// Makes paths.
     pub sampler: PathSampler<'a>,
     /// How long they are.
@@ -21,7 +21,7 @@ pub struct PrimarySpace<'a> {
 
 /// A path, and what it brings over the probability of its length.
 #[derive(Default)]
-pub struct PrimaryState {
+pub(crate) struct PrimaryState {
     segments: u32,
     /// One over the probability of its length.
     scale: f32,

@@ -14,7 +14,7 @@ use crate::transport::{Counters, Limits};
 
 /// A point of the primary sample space [Kelemen et al. 2002] of paths of one length: all numbers that make one.
 #[derive(Clone, Debug, Default)]
-pub struct PrimarySample {
+pub(crate) struct PrimarySample {
     /// Of the light subpath.
     pub light: Vec<[f32; 4]>,
     /// Of the camera subpath. The first two say where on the picture it starts.
@@ -25,7 +25,7 @@ pub struct PrimarySample {
 
 /// Numbers of vertices that two subpaths have; of the light subpath 0 where the camera subpath hits the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Way {
+pub(crate) struct Way {
     /// Of the light subpath.
     pub light: u32,
     /// Of the camera subpath, the lens included.
@@ -42,13 +42,13 @@ pub struct Splat {
 }
 
 /// Blocks of numbers that a subpath of so many vertices looks at.
-pub fn blocks(vertices: u32) -> usize {
+pub(crate) fn blocks(vertices: u32) -> usize {
     2 * vertices as usize + 2
 }
 
 impl PrimarySample {
     /// Takes all numbers of paths of `segments` from `next`.
-    pub fn renew(&mut self, segments: u32, mut next: impl FnMut() -> f32) {
+    pub(crate) fn renew(&mut self, segments: u32, mut next: impl FnMut() -> f32) {
         for numbers in [&mut self.light, &mut self.camera] {
             numbers.clear();
             numbers.extend((0..blocks(segments + 1)).map(|_| [0; 4].map(|_| next())));
@@ -57,14 +57,14 @@ impl PrimarySample {
     }
 
     /// The way that they pick for paths of `segments`.
-    pub fn way(&self, segments: u32) -> Way {
+    pub(crate) fn way(&self, segments: u32) -> Way {
         let light = ((self.way * (segments + 1) as f32) as u32).min(segments);
         Way { light, camera: segments + 1 - light }
     }
 }
 
 /// Makes paths from numbers.
-pub struct PathSampler<'a> {
+pub(crate) struct PathSampler<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// How the ways share a path: with as many light subpaths as there are pixels.
@@ -73,7 +73,13 @@ pub struct PathSampler<'a> {
 
 impl PathSampler<'_> {
     /// Appends what the path of `segments` with these numbers brings to `splats`.
-    pub fn trace(&self, segments: u32, numbers: &PrimarySample, splats: &mut Vec<Splat>, counters: &mut Counters) {
+    pub(crate) fn trace(
+        &self,
+        segments: u32,
+        numbers: &PrimarySample,
+        splats: &mut Vec<Splat>,
+        counters: &mut Counters,
+    ) {
         let way = numbers.way(segments);
         let first = splats.len();
         let light_end = match way.light {

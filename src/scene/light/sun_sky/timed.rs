@@ -68,7 +68,11 @@ impl Span {
 }
 
 /// Reads the parameters, for a sensor whose shutter is open between two times.
-pub fn read(fields: &mut Fields<'_>, shutter: [f64; 2], surroundings: Surroundings) -> Result<Light, SceneError> {
+pub(crate) fn read(
+    fields: &mut Fields<'_>,
+    shutter: [f64; 2],
+    surroundings: Surroundings,
+) -> Result<Light, SceneError> {
     let appearance = Appearance::read(fields)?;
     let span = Span::read(fields)?;
     let (open, close) = (fields.float("shutter_open")?.unwrap_or(0.0), fields.float("shutter_close")?.unwrap_or(1.0));

@@ -7,7 +7,7 @@ use crate::scene::geometry::Ray;
 use crate::scene::{MediumIndex, Scene};
 
 /// The share of light that passes a segment of `length`, m, in `medium`, which absorbs evenly.
-pub fn passing(scene: &Scene, medium: MediumIndex, origin: Vec3, direction: Vec3, length: f32) -> Rgb {
+pub(crate) fn passing(scene: &Scene, medium: MediumIndex, origin: Vec3, direction: Vec3, length: f32) -> Rgb {
     let Some(medium) = scene.medium(medium) else { return Rgb::ONE };
     // Media that need random numbers scatter light, and are not rendered so.
     medium.transmittance(&Ray { origin, direction, length }, || PathRandom::new(0, Stream::Branch, 0, 0))

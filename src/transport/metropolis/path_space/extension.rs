@@ -13,7 +13,7 @@ use crate::transport::shading;
 use crate::transport::visibility::SHADOW_END;
 
 /// Makes new vertices.
-pub struct Tracer<'a> {
+pub(crate) struct Tracer<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// What it took.
@@ -23,7 +23,7 @@ pub struct Tracer<'a> {
 }
 
 /// Where a camera subpath came to.
-pub enum Arrival {
+pub(crate) enum Arrival {
     /// A surface.
     Surface(Interaction),
     /// Outside of the scene, in this direction.
@@ -32,19 +32,19 @@ pub enum Arrival {
 
 impl Tracer<'_> {
     /// Where a ray meets a surface.
-    pub fn surface(&mut self, ray: &Ray) -> Option<Interaction> {
+    pub(crate) fn surface(&mut self, ray: &Ray) -> Option<Interaction> {
         self.counters.rays += 1;
         self.scene.intersect(ray)
     }
 
     /// Where the camera's ray through a place of the film meets a surface.
-    pub fn seen(&mut self, film: Vec2, lens: [f32; 2]) -> Option<Interaction> {
+    pub(crate) fn seen(&mut self, film: Vec2, lens: [f32; 2]) -> Option<Interaction> {
         self.counters.rays += 1;
         self.scene.intersect_from_camera(&self.scene.camera.ray(film, lens))
     }
 
     /// Whether nothing lies between x_{index} and x_{index+1} of a path whose vertices are surfaces, the light or the camera.
-    pub fn is_open(&mut self, path: &Path, terms: &Terms, index: usize) -> bool {
+    pub(crate) fn is_open(&mut self, path: &Path, terms: &Terms, index: usize) -> bool {
         self.counters.rays += 1;
         let from = |vertex: usize| &path.vertices[vertex - 1].hit;
         if index == 0 {
@@ -66,7 +66,7 @@ impl Tracer<'_> {
     }
 
     /// Picks how a path goes on from `vertex`, to which it came from the direction `back`; says so there. The new direction.
-    pub fn scatter(
+    pub(crate) fn scatter(
         &mut self,
         vertex: &mut PathVertex,
         back: Vec3,
@@ -87,7 +87,7 @@ impl Tracer<'_> {
     }
 
     /// Appends `count` vertices that a light subpath goes on to behind x_{l−1}, the last of `path`; l is at least 2.
-    pub fn extend_from_light(
+    pub(crate) fn extend_from_light(
         &mut self,
         path: &mut Vec<PathVertex>,
         light: &LightEnd,
@@ -113,7 +113,7 @@ impl Tracer<'_> {
     }
 
     /// Where a camera subpath goes on to from the last vertex of its chain, to which it came from the direction `back`.
-    pub fn extend_from_camera(&mut self, back: Vec3, source: &mut Source) -> Option<Arrival> {
+    pub(crate) fn extend_from_camera(&mut self, back: Vec3, source: &mut Source) -> Option<Arrival> {
         let mut last = *self.chain.last()?;
         let direction = self.scatter(&mut last, back, TransportMode::Radiance, source)?;
         *self.chain.last_mut()? = last;
@@ -123,13 +123,13 @@ impl Tracer<'_> {
 
     /// Follows `ray` by specular lobes alone to a surface where the path does not follow one, and makes all vertices its chain. The path carries light
     /// in this direction in [`TransportMode::Flux`], else importance.
-    pub fn follow_specular(&mut self, ray: &Ray, mode: TransportMode, source: &mut Source) -> Option<()> {
+    pub(crate) fn follow_specular(&mut self, ray: &Ray, mode: TransportMode, source: &mut Source) -> Option<()> {
         let hit = self.surface(ray)?;
         self.follow_specular_from(hit, mode, source)
     }
 
     /// The same from where the ray met a surface.
-    pub fn follow_specular_from(
+    pub(crate) fn follow_specular_from(
         &mut self,
         mut hit: Interaction,
         mode: TransportMode,

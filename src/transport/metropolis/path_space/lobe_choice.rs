@@ -23,7 +23,7 @@ const SMOOTH: f32 = 0.5;
 const SAME_DIRECTION: f32 = 0.999;
 
 /// The lobes in view, and how probable each is.
-pub struct LobeChoice {
+pub(crate) struct LobeChoice {
     specular: SpecularLobes,
     shares: [f32; 4],
     smooth: f32,
@@ -31,7 +31,7 @@ pub struct LobeChoice {
 
 /// A specular lobe.
 #[derive(Clone, Copy, Debug)]
-pub struct SpecularChoice {
+pub(crate) struct SpecularChoice {
     /// Its local direction.
     pub direction: Vec3,
     /// Its full weight.
@@ -42,7 +42,7 @@ pub struct SpecularChoice {
 
 impl LobeChoice {
     /// Of a surface in view.
-    pub fn new(scene: &Scene, shape: Shape, view: &View) -> Self {
+    pub(crate) fn new(scene: &Scene, shape: Shape, view: &View) -> Self {
         let specular = scene.material(shape).specular_lobes(view);
         let weights = specular.map(|lobe| lobe.map_or(0.0, |lobe| lobe.weight.max_element()));
         let total: f32 = weights.iter().sum();
@@ -57,12 +57,12 @@ impl LobeChoice {
     }
 
     /// The probability of the lobes with a density.
-    pub fn smooth(&self) -> f32 {
+    pub(crate) fn smooth(&self) -> f32 {
         self.smooth
     }
 
     /// The specular lobe that `u` in [0, 1) picks; `None` for the others.
-    pub fn pick(&self, u: f32) -> Option<SpecularChoice> {
+    pub(crate) fn pick(&self, u: f32) -> Option<SpecularChoice> {
         let mut rest = u - self.smooth;
         if rest < 0.0 {
             return None;
@@ -80,12 +80,12 @@ impl LobeChoice {
     }
 
     /// The specular lobe that leads into a local direction.
-    pub fn towards(&self, direction: Vec3) -> Option<SpecularChoice> {
+    pub(crate) fn towards(&self, direction: Vec3) -> Option<SpecularChoice> {
         self.nearest(direction).filter(|choice| choice.direction.dot(direction) >= SAME_DIRECTION)
     }
 
     /// The specular lobe whose direction is nearest to a local one.
-    pub fn nearest(&self, direction: Vec3) -> Option<SpecularChoice> {
+    pub(crate) fn nearest(&self, direction: Vec3) -> Option<SpecularChoice> {
         let choices = (0..4).filter_map(|index| self.choice(index)).filter(|choice| choice.share > 0.0);
         choices.max_by(|a, b| a.direction.dot(direction).total_cmp(&b.direction.dot(direction)))
     }

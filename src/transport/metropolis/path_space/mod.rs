@@ -13,11 +13,11 @@
 //! A change of a path x into y is taken with probability a = min(1, f*(y) T(y → x) / f*(x) T(x → y)) [V97, eq. 11.4], where T is the density with which a
 //! proposal of one kind makes the one of the other. Each kind keeps f* by itself.
 
-pub mod absorption;
-pub mod extension;
-pub mod light_end;
-pub mod lobe_choice;
-pub mod path;
+pub(crate) mod absorption;
+pub(crate) mod extension;
+pub(crate) mod light_end;
+pub(crate) mod lobe_choice;
+pub(crate) mod path;
 pub mod proposals;
 pub mod user_path;
 pub mod window;
