@@ -65,7 +65,7 @@ impl MapQuery {
             None if [LUMINANCE, "R", "G", "B"].contains(&self.layer.as_str()) => Ok(None),
             None => {
                 let detail = format!("there is no layer \"{}\"", self.layer);
-                Err(Problem::bad_request(detail, format!("known layers: {LUMINANCE}, {}", Layer::known())))
+                Err(Problem::bad_request(detail, format!("known layers: {LUMINANCE}, {}", Layer::known_to_look_at())))
             }
         }
     }

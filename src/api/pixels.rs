@@ -94,7 +94,7 @@ impl PixelsQuery {
         if self.layer.starts_with(OF_LIGHT_GROUP) {
             return Ok(Some(Layer::LightGroups));
         }
-        let known = || format!("known layers: {COLOR}, {}", Layer::known());
+        let known = || format!("known layers: {COLOR}, {}", Layer::known_to_look_at());
         match Layer::parse_list(&self.layer).map_err(|unknown| Problem::bad_request(unknown.to_string(), known()))?[..]
         {
             [layer] if layer.is_matte() => Err(ids_only_in_exr(layer.row())),

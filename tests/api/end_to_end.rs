@@ -542,9 +542,10 @@ async fn bad_image_options_are_refused() {
     }
     let unknown = problem(farm.get(&image("image.exr?layers=radius,detph")).await, 422, "bad-request").await;
     assert!(unknown["detail"].as_str().is_some_and(|detail| detail.contains("detph")), "{unknown}");
-    let known =
-        "known layers: radius, photons, error, albedo, normal, depth, position, denoised, denoised_error, light_groups";
-    assert_eq!(unknown["remedy"], known);
+    let seen = "radius, photons, error, albedo, normal, depth, position, denoised, denoised_error, light_groups";
+    assert_eq!(unknown["remedy"], format!("known layers: {seen}, crypto_object, crypto_material"));
+    let unseen = problem(farm.get(&image("pixels?layer=detph")).await, 422, "bad-request").await;
+    assert_eq!(unseen["remedy"], format!("known layers: color, {seen}"), "ids are not looked at");
 }
 
 #[tokio::test(flavor = "multi_thread")]

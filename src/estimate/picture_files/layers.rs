@@ -280,6 +280,12 @@ impl Layer {
         Ok(layers)
     }
 
+    /// The names of the layers that can be looked at, separated by commas.
+    pub fn known_to_look_at() -> String {
+        let shown = LAYERS.iter().filter(|row| !row.layer.is_matte()).map(|row| row.name);
+        shown.collect::<Vec<_>>().join(", ")
+    }
+
     /// The names of all layers, separated by commas.
     pub fn known() -> String {
         LAYERS.map(|row| row.name).join(", ")
