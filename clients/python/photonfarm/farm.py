@@ -55,6 +55,7 @@ class JobOptions(TypedDict, total=False):
     name: str
     tags: Sequence[str]
     priority: int
+    light_groups: bool
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,7 @@ class Farm:
             idempotency_key: by which the coordinator knows the job again; the same key later, from another process too, gives the same job.
                 One is made for each call, so that a request that is sent again never makes a second job.
             wait: answers when the job has ended, but after so many seconds at most, up to 60.
-            options: `method`, `parameters`, `stop` (`{"passes": 64}`), `scene_changes`, `cut`, `seed`, `name`, `tags`, `priority`.
+            options: `method`, `parameters`, `stop` (`{"passes": 64}`), `scene_changes`, `cut`, `seed`, `name`, `tags`, `priority`, `light_groups`.
         """
         return submitted(self.connection, "/v1/jobs", self._submission(scene, options), idempotency_key, wait)
 

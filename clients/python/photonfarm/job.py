@@ -131,7 +131,7 @@ class Job:
 
     def layers(self, names: Sequence[str]) -> dict[str, NDArray[np.float32]]:
         """Layers by name: `radius`, `photons`, `error`, `depth` (height, width); `albedo`, `normal`, `position` (height, width, 3); `crypto_object`,
-        `crypto_material` (height, width, 6, 2), pairs of id and coverage."""
+        `crypto_material` (height, width, 6, 2), pairs of id and coverage. `light_groups` gives `light_group.NAME` (height, width, 3) for each group."""
         return pictures.layers(pictures.read_channels(self.exr(names)), names)
 
     def exr(self, layers: Sequence[str] = ()) -> bytes:

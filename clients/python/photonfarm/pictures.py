@@ -43,6 +43,15 @@ def layer(channels: Channels, name: str) -> NDArray[np.float32]:
     return planes[0] if len(planes) == 1 else np.stack(planes, axis=-1)
 
 
+def light_groups(channels: Channels) -> Channels:
+    """The light of each light group by `light_group.NAME`, each (height, width, 3)."""
+    groups = [channel.removesuffix(".R") for channel in channels if channel.startswith("light_group.") and channel.endswith(".R")]
+    return {group: np.stack([channels[f"{group}.{letter}"] for letter in "RGB"], axis=-1) for group in groups}
+
+
 def layers(channels: Channels, names: Iterable[str]) -> Channels:
-    """Several layers by name."""
-    return {name: layer(channels, name) for name in names}
+    """Several layers by name; `light_groups` stands for as many as there are groups."""
+    found: Channels = {}
+    for name in names:
+        found |= light_groups(channels) if name == "light_groups" else {name: layer(channels, name)}
+    return found

@@ -70,6 +70,15 @@ def test_layers_of_photons(box: Job) -> None:
     assert layers["photons"].max() > 0
 
 
+def test_light_groups_add_up_to_the_picture(farm: Farm) -> None:
+    lamp = "<emitter type='point'><rgb name='intensity' value='1'/><string name='light_group' value='bulb'/></emitter></scene>"
+    job = farm.submit(BOX.read_text().replace("</scene>", lamp), stop={"passes": 2}, wait=60, light_groups=True, **SMALL)
+    groups = job.layers(["light_groups"])
+    assert list(groups) == ["light_group.bulb", "light_group.others"] == [f"light_group.{name}" for name in job.status().light_groups or []]
+    assert np.allclose(sum(groups.values()), job.picture(), rtol=1e-5)
+    assert all(group.std() > 0 for group in groups.values())
+
+
 def test_files_to_look_at(box: Job, tmp_path: Path) -> None:
     plain = box.save(tmp_path / "box.png").read_bytes()
     assert plain.startswith(b"\x89PNG")

@@ -239,6 +239,9 @@ class LastError(BaseModel):
     """
 
 
+FirstPixelItem = TypeAliasType("FirstPixelItem", Annotated[int, Field(ge=0)])
+
+
 class LightView(BaseModel):
     """
     A light that has a place.
@@ -550,6 +553,10 @@ class Validation(BaseModel):
     """
     Picture height, pixels.
     """
+    light_groups: list[str] | None = None
+    """
+    The light groups that it keeps apart; empty unless that is asked for.
+    """
     method: str
     """
     Its method, `auto` where trials would choose it.
@@ -766,6 +773,10 @@ class JobStatus(BaseModel):
     """
     The job's id.
     """
+    light_groups: list[str] | None = None
+    """
+    The light groups that it keeps apart, as layers of its picture; empty unless that was asked for.
+    """
     method: str
     """
     Its method.
@@ -889,6 +900,11 @@ class JobSubmission(BaseModel):
     """
     How finely it is cut into what workers trace; pictures of different cuts have different bits.
     """
+    light_groups: bool | None = None
+    """
+    Whether the light of each light group of its scene is kept apart, as a layer of the picture; false by default. A pass then costs as much as
+    one for each group.
+    """
     method: str | None = None
     """
     Method; the scene's own integrator when it is not given.
@@ -952,7 +968,7 @@ class Layout(BaseModel):
     Where the camera and the lights of a job's scene stand. Matrices go by rows, for row vectors: (x, y, z, 1) is multiplied from the left.
     """
 
-    first_pixel: list[Annotated[int, Field(ge=0)]]
+    first_pixel: list[FirstPixelItem]
     """
     Column and row of the whole film at which the job's picture begins: 0, 0 but for crop windows. `scene_changes.crop` counts from the film's first.
     """
@@ -1152,6 +1168,10 @@ class SceneSummary(BaseModel):
     integrator: str | None = None
     """
     The method that its integrator asks for.
+    """
+    light_groups: list[str] | None = None
+    """
+    The light groups of its lights; empty where no light names one.
     """
     notices: list[str]
     """
