@@ -23,7 +23,9 @@ def paused(farm):
     wait_until(lambda: farm.job(job)["passes_done"] >= 40, "there is no picture", 60)
     farm.ask(f"/v1/jobs/{job}/pause", {})
     yield job
-    farm.ask(f"/v1/jobs/{job}/cancel", {})
+    for left in [*regions_of(farm, job), farm.job(job)]:
+        if left["state"] in ("running", "paused", "queued"):
+            farm.ask(f"/v1/jobs/{left['id']}/cancel", {})
 
 
 def drag(page, start, end):

@@ -40,15 +40,16 @@ function drawInset(frame, { source, view }) {
   outlineRectangle(context, from, to, ratio);
 }
 
-// A rectangle that is seen on any picture.
+// A rectangle that is seen on any picture, at whole pixels of the screen.
 export function outlineRectangle(context, from, to, ratio) {
+  const [left, top, right, bottom] = [from.x, from.y, to.x, to.y].map(Math.round);
   context.lineWidth = ratio;
   for (const [color, outside] of [
     ['rgb(0 0 0 / 75%)', 1.5 * ratio],
     ['#ffffff', ratio / 2],
   ]) {
     context.strokeStyle = color;
-    context.strokeRect(from.x - outside, from.y - outside, to.x - from.x + 2 * outside, to.y - from.y + 2 * outside);
+    context.strokeRect(left - outside, top - outside, right - left + 2 * outside, bottom - top + 2 * outside);
   }
 }
 
