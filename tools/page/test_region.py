@@ -154,8 +154,8 @@ def test_a_region_that_is_done_goes_when_the_whole_picture_is_as_far(farm, open_
     page.get_by_role("button", name="Region first").click()
     drag(page, (30, 30), (37, 37))
     region = the_region(farm, job)
-    farm.wait(region["id"])
-    farm.wait(job)
+    for slow in (region["id"], job):
+        wait_until(lambda: farm.job(slow)["state"] == "done", "it is not done", 240)
     expect(page.locator("#region-leave")).to_be_hidden()
     assert farm.job(region["id"])["state"] == "done"
 
