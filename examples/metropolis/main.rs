@@ -65,7 +65,7 @@ fn commit() -> Result<String, Box<dyn Error>> {
 const HEAD: &str = "\
 # Markov chains
 
-Made by `cargo run --release --example metropolis -- 2 > docs/measured/METROPOLIS.md` (about forty minutes).
+Made by `cargo run --release --example metropolis -- 2 > docs/measured/METROPOLIS.md` (about forty minutes of one processor).
 
 What chains bring where photons by power hardly come to the picture: Metropolis photon sampling (`mps`), Metropolis light transport of whole paths (`mlt`) and of random numbers (`mmlt`), and photons by
 visibility (`emission: metropolis`), beside other methods. Rooms, jack-o'-lantern and mirror box are scenes of the paper on Metropolis photon sampling [Fan, Chenney & Lai 2005], modelled anew.
