@@ -76,6 +76,8 @@ function chosenPixels({ job, rectangle }) {
 }
 
 function select(from, to, isDone) {
+  // The job may end in the middle of a drag.
+  if (!choosing) return;
   choosing.rectangle = [from, to];
   redraw();
   if (isDone) render(choosing);
