@@ -6,7 +6,7 @@ usage: first_picture.py PROGRAM
 import sys
 import time
 
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import expect, sync_playwright
 
 from farm import SCENE, Farm
 from test_submit import DROP
@@ -23,6 +23,7 @@ def main():
             page = browser.new_context(viewport={"width": 1600, "height": 900}).new_page()
             page.goto(f"{farm.address}/#/submit")
             page.locator("#submit-view").wait_for()
+            expect(page.locator("#farm")).to_contain_text("worker")
             began = time.monotonic()
             page.evaluate(DROP, [[SCENE.name, SCENE.read_text()]])
             page.locator("#submit:enabled").click()
