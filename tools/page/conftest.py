@@ -5,9 +5,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import expect, sync_playwright
 
-from farm import Farm
+from farm import Farm, launch_browser
 
-CHROMIUM = "/usr/bin/chromium"
 WIDE = {"width": 1600, "height": 900}
 
 
@@ -58,7 +57,7 @@ def own_farm(program):
 def browser():
     expect.set_options(timeout=8000)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = launch_browser(playwright)
         yield browser
         browser.close()
 

@@ -12,9 +12,8 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from farm import Farm
+from farm import Farm, launch_browser
 
-CHROMIUM = "/usr/bin/chromium"
 SECONDS = 40
 # The browser calls the coordinator by an address of its own, so that its connections are told from the worker's.
 BROWSERS_ADDRESS = "127.0.0.2"
@@ -57,7 +56,7 @@ def main():
             time.sleep(1)
         alone, _ = measure(farm)
         with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+            browser = launch_browser(playwright)
             page = browser.new_context(viewport={"width": 1600, "height": 900}).new_page()
             page.goto(f"http://{BROWSERS_ADDRESS}:{farm.port}/#/jobs/{job}")
             page.get_by_text("as of pass").wait_for(timeout=60_000)

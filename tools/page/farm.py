@@ -15,6 +15,11 @@ ROOT = Path(__file__).resolve().parents[2]
 SCENE = ROOT / "scenes/cornell-diffuse/scene.xml"
 
 
+def launch_browser(playwright):
+    """Debian's Chromium."""
+    return playwright.chromium.launch(executable_path="/usr/bin/chromium", args=["--no-sandbox"])
+
+
 def free_port():
     with socket.socket() as listener:
         listener.bind(("127.0.0.1", 0))

@@ -8,10 +8,8 @@ import time
 
 from playwright.sync_api import expect, sync_playwright
 
-from farm import SCENE, Farm
+from farm import SCENE, Farm, launch_browser
 from test_submit import DROP
-
-CHROMIUM = "/usr/bin/chromium"
 
 
 def main():
@@ -19,7 +17,7 @@ def main():
     try:
         farm.start_worker()
         with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+            browser = launch_browser(playwright)
             page = browser.new_context(viewport={"width": 1600, "height": 900}).new_page()
             page.goto(f"{farm.address}/#/submit")
             page.locator("#submit-view").wait_for()
