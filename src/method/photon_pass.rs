@@ -1,6 +1,5 @@
 //! What `sppm` and `ppm` share: the photons of a pass and the gather.
 
-use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -22,7 +21,7 @@ use crate::transport::first_radius::{
     FIRST_GATHER_PHOTONS, RadiusBounds, clear_of_edges, fill_gaps, first_radius_squared,
 };
 use crate::transport::importance_map::{ImportanceMap, Importon};
-use crate::transport::metropolis::photon_chains::{PhotonChains, StoringTracer, uniform_of};
+use crate::transport::metropolis::photon_chains::{PhotonChains, StoringTracer};
 use crate::transport::occlusion::{Occlusion, Sight};
 use crate::transport::photon_map::{Gathered, Grid, Photon, PhotonLookup, PhotonMap, TracedPhoton, trace};
 use crate::transport::photon_tracing::PhotonSettings;
@@ -118,30 +117,17 @@ impl PhotonPasses {
             false => None,
         };
         let (chunks, mut counters) = match &importance {
-            Some(importance) => self.chained::<R>(photons.pass, settings, importance).trace(&grid, cancel)?,
+            Some(importance) => {
+                let [mutations, trials] = [Stream::Chain, Stream::Trial]
+                    .map(|stream| PassRandom::independent(self.seed, stream, photons.pass));
+                let importance = |photon: &Photon| importance.of(photon);
+                PhotonChains::<StoringTracer<'_, R>, _>::storing(&self.scene, settings, importance, mutations, trials)
+                    .trace(&grid, cancel)?
+            }
             None => trace::<R>(&self.scene, &settings, &grid, cancel)?,
         };
         counters += looking;
         Some((PhotonMap::build(&chunks, grid), counters))
-    }
-
-    fn chained<'a, R: TracedPhoton>(
-        &'a self,
-        pass: u32,
-        settings: PhotonSettings<'a>,
-        importance: &'a ImportanceMap,
-    ) -> PhotonChains<'a, StoringTracer<'a, R>, impl Fn(&Photon) -> f32 + Sync> {
-        let numbers = |stream| PassRandom::independent(self.seed, stream, pass);
-        let uniform = uniform_of(self.photons_per_pass);
-        PhotonChains {
-            tracer: StoringTracer { scene: &self.scene, settings, photon: PhantomData },
-            importance: |photon: &Photon| importance.of(photon),
-            uniform,
-            chained: self.photons_per_pass - uniform,
-            random: settings.random,
-            mutations: numbers(Stream::Chain),
-            trials: numbers(Stream::Trial),
-        }
     }
 
     /// Where the camera paths of a pass look for photons, over the whole picture whatever the pass's region; `None` where they look at nothing.

@@ -1,7 +1,6 @@
 //! Photons of chains of whole paths, which stay where the picture looks photons up: caustics where the camera sees a surface, all others where gather
 //! rays end. [Fan et al. 2005] store photons at the same places.
 
-use std::marker::PhantomData;
 use std::sync::atomic::AtomicBool;
 
 use super::TwoPasses;
@@ -10,7 +9,7 @@ use crate::math::random::Stream;
 use crate::method::Pass;
 use crate::transport::Counters;
 use crate::transport::importance_map::{ImportanceMap, LEAST_ACCEPTANCE};
-use crate::transport::metropolis::photon_chains::{PhotonChains, StoringTracer, uniform_of};
+use crate::transport::metropolis::photon_chains::{PhotonChains, StoringTracer};
 use crate::transport::photon_map::{OriginPhoton, Photon, PhotonMap};
 
 /// How important photons are to a pass.
@@ -47,16 +46,11 @@ impl TwoPasses {
     ) -> Option<(Maps<PhotonMap<f32>>, Counters)> {
         let random = numbers.of(self.seed, pass.index, numbers.stream);
         let settings = self.photon_settings(&random, photons, pass.guide);
-        let uniform = uniform_of(photons);
-        let chains = PhotonChains {
-            tracer: StoringTracer::<OriginPhoton> { scene: &self.scene, settings, photon: PhantomData },
-            importance: |photon: &Photon| importance.of(photon),
-            uniform,
-            chained: photons - uniform,
-            random: &random,
-            mutations: numbers.of(self.seed, pass.index, Stream::Chain),
-            trials: numbers.of(self.seed, pass.index, Stream::Trial),
-        };
+        let importance = |photon: &Photon| importance.of(photon);
+        let [mutations, trials] =
+            [Stream::Chain, Stream::Trial].map(|stream| numbers.of(self.seed, pass.index, stream));
+        let chains: PhotonChains<'_, StoringTracer<'_, OriginPhoton>, _> =
+            PhotonChains::storing(&self.scene, settings, importance, mutations, trials);
         let (chunks, counters) = chains.trace(&self.grid(&self.global), cancel)?;
         Some((self.sorted(&chunks), counters))
     }

@@ -69,12 +69,9 @@ pub(crate) trait PhotonTracer: Sync {
 
 /// Photons that are stored as settings say.
 pub(crate) struct StoringTracer<'a, R> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Which photons are stored.
-    pub settings: PhotonSettings<'a>,
-    /// What is stored.
-    pub photon: PhantomData<fn() -> R>,
+    scene: &'a Scene,
+    settings: PhotonSettings<'a>,
+    photon: PhantomData<fn() -> R>,
 }
 
 impl<R: TracedPhoton> PhotonTracer for StoringTracer<'_, R> {
@@ -104,9 +101,20 @@ pub(crate) struct PhotonChains<'a, T, I> {
     pub trials: PassRandom,
 }
 
-/// How many of a pass's paths should be sampled uniformly.
-pub(crate) fn uniform_of(paths: u32) -> u32 {
-    paths.div_ceil(UNIFORM)
+impl<'a, R: TracedPhoton, I> PhotonChains<'a, StoringTracer<'a, R>, I> {
+    /// Makes photons as settings say, some of their paths uniform and the others states of chains.
+    pub(crate) fn storing(
+        scene: &'a Scene,
+        settings: PhotonSettings<'a>,
+        importance: I,
+        mutations: PassRandom,
+        trials: PassRandom,
+    ) -> Self {
+        let uniform = settings.paths.div_ceil(UNIFORM);
+        let (chained, random) = (settings.paths - uniform, settings.random);
+        let tracer = StoringTracer { scene, settings, photon: PhantomData };
+        Self { tracer, importance, uniform, chained, random, mutations, trials }
+    }
 }
 
 /// The numbers of a path: some that small steps move, and those of an address behind them.
