@@ -7,6 +7,7 @@ from playwright.sync_api import expect
 
 from farm import ROOT, Farm
 from looks import open_job, point_at, screen_place, wait_for_picture
+from test_sequences import LAMP
 
 SCENES = ["cornell-diffuse", "cornell-glass-mirror", "cornell-ward", "mirror-box", "scene5", "door-ajar", "table-and-spheres"]
 NAMES = ["box, all matt", "glass and mirror", "brushed metal", "mirrors", "caustics", "door ajar", "two spheres"]
@@ -20,17 +21,22 @@ def test_screenshots(program, browser, open_page, picture_folder):
         page = open_page(farm, "", context.new_page())
 
         def save(name):
-            page.mouse.move(5, 5) if name in ("list", "submit", "workers") else None
+            page.mouse.move(5, 5) if name in ("list", "sequences", "submit", "workers") else None
             page.wait_for_timeout(900)
             page.screenshot(path=picture_folder / f"{name}.png")
 
         show_pictures(page, farm, jobs, save)
+        farm.ask(f"/v1/sequences/{jobs['flight']}/resume", {})
+        page.goto(f"{farm.address}/#/sequences")
+        expect(page.locator("#sequences")).to_contain_text("7 of 24 frames", timeout=90000)
+        save("sequences")
         page.goto(f"{farm.address}/#/workers")
         save("workers")
         page.goto(f"{farm.address}/#/submit")
         page.locator("#scene-file").set_input_files(ROOT / "scenes/cornell-diffuse/scene.xml")
-        page.get_by_label("Method", exact=True).select_option("sppm")
-        page.get_by_label("Error (relMSE)").fill("0.01")
+        form = page.locator("#submit-form")
+        form.get_by_label("Method", exact=True).select_option("sppm")
+        form.get_by_label("Error (relMSE)").fill("0.01")
         page.locator("#check").click()
         expect(page.locator(".good")).to_be_visible()
         save("submit")
@@ -41,7 +47,7 @@ def test_screenshots(program, browser, open_page, picture_folder):
     finally:
         farm.stop()
     sizes = {file.name: file.stat().st_size for file in picture_folder.glob("*.png")}
-    assert len(sizes) == 10 and max(sizes.values()) < 300_000, sizes
+    assert len(sizes) == 11 and max(sizes.values()) < 400_000, sizes
 
 
 def fill(farm):
@@ -60,6 +66,9 @@ def fill(farm):
     for job in jobs.values():
         if job != jobs["running"]:
             farm.wait(job)
+    flight = {"scene_inline": LAMP, "name": "flight", "stop": {"passes": 100}, "scene_changes": {"width": 256}}
+    jobs["flight"] = farm.ask("/v1/sequences", {"job": flight, "frames": {"first": 1, "last": 24}})["id"]
+    farm.ask(f"/v1/sequences/{jobs['flight']}/pause", {})
     return jobs
 
 
