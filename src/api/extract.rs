@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 
 use super::problem::Problem;
 use super::unique_keys::UniqueKeys;
-use crate::farm::ids::{BadJobId, JobId};
+use crate::farm::ids::{BadJobId, BadSequenceId, JobId, SequenceId};
 
 /// A JSON body.
 pub(crate) struct JsonBody<T>(pub T);
@@ -76,4 +76,13 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for QueryValues<T>
 #[expect(clippy::result_large_err, reason = "made at most once a request")]
 pub(crate) fn parse_job(text: &str) -> Result<JobId, Problem> {
     text.parse().map_err(|BadJobId(text)| Problem::unknown_job(&text))
+}
+
+/// A sequence's id in the address or in a query.
+#[expect(clippy::result_large_err, reason = "made at most once a request")]
+pub(crate) fn parse_sequence(text: &str) -> Result<SequenceId, Problem> {
+    text.parse().map_err(|problem: BadSequenceId| {
+        Problem::new(StatusCode::NOT_FOUND, "unknown-sequence", format!("there is no sequence \"{}\"", problem.0))
+            .remedy("see GET /v1/sequences for those there are")
+    })
 }

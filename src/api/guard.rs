@@ -8,12 +8,12 @@ use axum::middleware::Next;
 use axum::response::Response;
 
 use super::ApiState;
-use super::extract::{PathValue, parse_job};
+use super::extract::{PathValue, parse_job, parse_sequence};
 use super::problem::Problem;
 use crate::farm::access::caller::Caller;
 use crate::farm::access::scope::Scope;
 use crate::farm::http::bearer::{bearer, text};
-use crate::farm::ids::JobId;
+use crate::farm::ids::{JobId, SequenceId};
 
 /// The cookie by which the page stays logged in. Its value is a token.
 pub(crate) const COOKIE: &str = "photonfarm_session";
@@ -65,15 +65,35 @@ pub(crate) fn cookie_named<'a>(headers: &'a HeaderMap, wanted: &str) -> Option<&
 /// The job in the address, which the caller may change: it is their own, or they are an admin.
 pub(crate) struct OwnJob(pub JobId);
 
+/// The sequence in the address, which the caller may change.
+pub(crate) struct OwnSequence(pub SequenceId);
+
+/// What a request's address names, and who sends it.
+async fn named(parts: &mut Parts, state: &ApiState) -> Result<(String, Caller), Problem> {
+    let PathValue(id) = PathValue::<String>::from_request_parts(parts, state).await?;
+    let Extension(caller) =
+        Extension::<Caller>::from_request_parts(parts, state).await.map_err(Problem::of_extension)?;
+    Ok((id, caller))
+}
+
 impl FromRequestParts<ApiState> for OwnJob {
     type Rejection = Problem;
 
     async fn from_request_parts(parts: &mut Parts, state: &ApiState) -> Result<Self, Problem> {
-        let PathValue(id) = PathValue::<String>::from_request_parts(parts, state).await?;
+        let (id, caller) = named(parts, state).await?;
         let id = parse_job(&id)?;
-        let Extension(caller) =
-            Extension::<Caller>::from_request_parts(parts, state).await.map_err(Problem::of_extension)?;
         state.coordinator.check_owner(&caller, id)?;
+        Ok(Self(id))
+    }
+}
+
+impl FromRequestParts<ApiState> for OwnSequence {
+    type Rejection = Problem;
+
+    async fn from_request_parts(parts: &mut Parts, state: &ApiState) -> Result<Self, Problem> {
+        let (id, caller) = named(parts, state).await?;
+        let id = parse_sequence(&id)?;
+        state.coordinator.check_sequence_owner(&caller, id)?;
         Ok(Self(id))
     }
 }

@@ -172,6 +172,8 @@ pub(crate) async fn clone_job(
     request.name = name.or(request.name);
     request.tags = tags.unwrap_or(request.tags);
     request.priority = priority.unwrap_or(request.priority);
+    // A copy is a job of its own.
+    request.frame = None;
     accepted(&state, &caller, preferences, request).await
 }
 

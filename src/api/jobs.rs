@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
 use super::ApiState;
-use super::extract::{JsonBody, PathValue, QueryValues, parse_job};
+use super::extract::{JsonBody, PathValue, QueryValues, parse_job, parse_sequence};
 use super::guard::OwnJob;
 use super::json_answer::Json;
 use super::preferences::Preferences;
@@ -129,6 +129,9 @@ pub(crate) struct JobsQuery {
     #[serde(skip_serializing_if = "Option::is_none")]
     #[param(value_type = Option<String>)]
     pub owner: Option<UserName>,
+    /// Only the frames of this sequence.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sequence: Option<String>,
     /// Only jobs that were submitted after the one with this id, which need not be there any more.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub after: Option<String>,
@@ -242,17 +245,37 @@ async fn scene_of(
     caller: &Caller,
     submission: &mut JobSubmission,
 ) -> Result<(String, Option<Vec<u8>>), Problem> {
-    let (hash, bytes) = match (submission.scene.take(), submission.scene_inline.take()) {
-        (Some(hash), None) => (hash, None),
-        (None, Some(scene)) => (String::new(), Some(inline_scene_bytes(scene)?)),
-        (found, _) => return Err(one_scene(found.is_some())),
+    let (hash, bytes) = unchanged_scene(submission)?;
+    let Some(changes) = submission.scene_changes.take().filter(|changes| !changes.is_empty()) else {
+        return Ok((hash, bytes));
     };
-    let Some(changes) = submission.scene_changes.take() else { return Ok((hash, bytes)) };
-    let bytes = match bytes {
-        Some(bytes) => bytes.into(),
-        None => state.coordinator.scene_bytes(&hash).await.map_err(submission_problem)?,
+    let changed = match bytes {
+        Some(bytes) => state.coordinator.changed(bytes.into(), changes, caller).await?,
+        None => state.coordinator.changed_scene(&hash, changes).await.map_err(submission_problem)?,
     };
-    Ok((String::new(), Some(state.coordinator.changed(bytes, changes, caller).await?)))
+    Ok((String::new(), Some(changed)))
+}
+
+/// The hash of a job's scene before its changes; one that came with the job is uploaded.
+pub(super) async fn base_scene(
+    state: &ApiState,
+    caller: &Caller,
+    submission: &mut JobSubmission,
+) -> Result<String, Problem> {
+    match unchanged_scene(submission)? {
+        (_, Some(bytes)) => Ok(state.coordinator.add_scene_of(bytes, caller).await?.hash),
+        (hash, None) => Ok(hash),
+    }
+}
+
+/// The hash of a job's scene, or the bytes of one that comes with it.
+#[expect(clippy::result_large_err, reason = "made at most once a request")]
+fn unchanged_scene(submission: &mut JobSubmission) -> Result<(String, Option<Vec<u8>>), Problem> {
+    match (submission.scene.take(), submission.scene_inline.take()) {
+        (Some(hash), None) => Ok((hash, None)),
+        (None, Some(scene)) => Ok((String::new(), Some(inline_scene_bytes(scene)?))),
+        (found, _) => Err(one_scene(found.is_some())),
+    }
 }
 
 /// A job has exactly one scene.
@@ -263,9 +286,10 @@ fn one_scene(has_two: bool) -> Problem {
 
 impl JobSubmission {
     /// The same with a scene that is there.
-    fn request(self, scene: String) -> JobRequest {
+    pub(super) fn request(self, scene: String) -> JobRequest {
         let Self { method, parameters, stop, cut, seed, name, tags, priority, light_groups, .. } = self;
-        JobRequest { scene, method, parameters, stop, cut, seed, name, tags, priority, light_groups }
+        let frame = None;
+        JobRequest { scene, method, parameters, stop, cut, seed, name, tags, priority, light_groups, frame }
     }
 }
 
@@ -282,7 +306,7 @@ fn inline_scene_bytes(scene: serde_json::Value) -> Result<Vec<u8>, Problem> {
 }
 
 /// An unknown scene is a fault of the body here, not of the address.
-fn submission_problem(error: FarmError) -> Problem {
+pub(super) fn submission_problem(error: FarmError) -> Problem {
     let unknown_scene = matches!(error, FarmError::UnknownScene(_));
     let problem = Problem::from(error);
     let status = if unknown_scene { StatusCode::UNPROCESSABLE_ENTITY.as_u16() } else { problem.status };
@@ -310,10 +334,11 @@ pub(crate) async fn list_jobs(
     State(state): State<ApiState>,
     QueryValues(query): QueryValues<JobsQuery>,
 ) -> Result<Json<JobList>, Problem> {
-    let JobsQuery { state: wanted, tag, name, owner, after, limit } = query;
+    let JobsQuery { state: wanted, tag, name, owner, sequence, after, limit } = query;
+    let sequence = sequence.as_deref().map(parse_sequence).transpose()?;
     let after = after.as_deref().map(parse_after).transpose()?;
     let limit = limit.map_or(usize::MAX, |limit| limit.get() as usize);
-    let filter = JobFilter { state: wanted, tag, name, owner, after };
+    let filter = JobFilter { state: wanted, tag, name, owner, sequence, after };
     // One more tells whether there are more.
     let mut found = state.coordinator.find_jobs(&filter, limit.saturating_add(1));
     let are_more = found.len() > limit;

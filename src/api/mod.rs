@@ -9,7 +9,7 @@
 //! | [`security_headers`] | what every answer tells browsers not to do |
 //! | [`guard`] | who may use which endpoint |
 //! | [`session`], [`provider_login`], [`members`] | who one is; users and tokens |
-//! | [`scenes`], [`jobs`], [`job_control`], [`images`], [`maps`], [`pixels`], [`layout`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
+//! | [`scenes`], [`jobs`], [`job_control`], [`sequences`], [`images`], [`maps`], [`pixels`], [`layout`], [`history`], [`events`], [`methods`], [`workers`], [`webhooks`], [`metrics`] | the endpoints |
 //! | [`standby`] | what is answered while another coordinator leads |
 //! | [`openapi`], [`schemas`] | the description of all this, generated from the handlers |
 
@@ -36,6 +36,7 @@ mod ranges;
 pub(crate) mod scenes;
 pub(crate) mod schemas;
 pub(crate) mod security_headers;
+pub(crate) mod sequences;
 pub(crate) mod session;
 pub(crate) mod standby;
 mod unique_keys;
@@ -96,6 +97,7 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
     let submissions = OpenApiRouter::new()
         .routes(routes!(jobs::list_jobs, jobs::submit_job))
         .routes(routes!(jobs::validate_job))
+        .routes(routes!(sequences::list_sequences, sequences::submit_sequence))
         .layer(bytes(limits.job_bytes));
     let version_1 = OpenApiRouter::new()
         .merge(uploads)
@@ -107,6 +109,10 @@ fn described_routes(state: &ApiState, limits: &Limits) -> OpenApiRouter<ApiState
         .routes(routes!(job_control::extend_job))
         .routes(routes!(job_control::clone_job))
         .routes(routes!(jobs::cancel_job))
+        .routes(routes!(sequences::show_sequence, sequences::delete_sequence))
+        .routes(routes!(sequences::pause_sequence))
+        .routes(routes!(sequences::resume_sequence))
+        .routes(routes!(sequences::cancel_sequence))
         .routes(routes!(events::job_events))
         .routes(routes!(events::all_events))
         .merge(images::display::routes())

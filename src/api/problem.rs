@@ -139,6 +139,9 @@ impl From<FarmError> for Problem {
                 .remedy("list users, tokens or webhooks for those there are"),
             FarmError::Denied(denied) => denied.into(),
             FarmError::UnknownJob(id) => Self::unknown_job(&id.to_string()),
+            FarmError::UnknownSequence(_) => Self::new(StatusCode::NOT_FOUND, "unknown-sequence", detail)
+                .remedy("see GET /v1/sequences for those there are"),
+            FarmError::BadFrames(problem) => Self::bad_request(problem.to_string(), problem.remedy()),
             FarmError::BadScene(error) => Self::from(error),
             FarmError::BadMethod(error) => Self::from(error),
             FarmError::BadRequest { problem, remedy } => Self::bad_request(problem, remedy),

@@ -5,9 +5,9 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::one_job::OneJob;
 
-/// Stop a job and keep its picture.
+/// Stop a job, or all of a sequence, and keep the picture.
 ///
-/// A job that has ended already stays as it is.
+/// What that has ended already stays as it is.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Cancel {
     #[command(flatten)]

@@ -2,6 +2,7 @@
 
 mod members;
 mod picture;
+mod sequences;
 mod workers;
 
 use std::sync::Arc;

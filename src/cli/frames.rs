@@ -1,29 +1,16 @@
-//! `--frames`: the pictures of a sequence, and what each shows of the scene.
+//! `--frames`: the pictures of a sequence.
 
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use super::exit_code::CliError;
+use super::named::named;
 use super::scene_options::SceneOptions;
-use crate::import::camera_path::BetweenCameras;
-use crate::import::changes::Changes;
+use crate::farm::ids::SequenceId;
+use crate::farm::sequence::{BadFrames, Frame, FrameSeeds, Frames, MOST_FRAMES, numbered};
 use crate::import::{UNNAMED, load_bytes};
-
-/// Digits of a frame's number in the names of files and jobs.
-const DIGITS: usize = 4;
-/// The most frames at once.
-const MOST_FRAMES: u32 = 100_000;
-
-/// Random numbers of the frames of a sequence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum FrameSeeds {
-    /// Each has a seed of its own, `--seed` plus its number: noise flickers, as film grain does.
-    Own,
-    /// All have `--seed`: noise sticks to the picture, as dirt on the lens does.
-    Same,
-}
 
 /// Which frames of a sequence are rendered.
 #[derive(Clone, Debug, Args)]
@@ -40,101 +27,52 @@ pub(super) struct FrameOptions {
     /// Cameras by name or index, separated by commas: the camera goes straight from one to the next, each way in the same time.
     #[arg(long, value_name = "CAMERA,CAMERA…", value_delimiter = ',', requires = "frames")]
     camera_path: Vec<String>,
-    /// Whether every frame has random numbers of its own.
-    #[arg(long, value_enum, default_value = "own", requires = "frames")]
+    /// Whether every frame has random numbers of its own, the seed plus its number, or all have the same.
+    #[arg(long, value_parser = named(FrameSeeds::ALL, FrameSeeds::name), default_value = FrameSeeds::default().name(), requires = "frames")]
     frame_seeds: FrameSeeds,
 }
 
-/// One picture of a sequence.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Frame {
-    pub(super) number: u32,
-    /// What of the scene is changed for it.
-    pub(super) changes: Changes,
-    /// What is added to the job's seed.
-    pub(super) seed: u64,
-}
-
-impl Frame {
-    /// `NAME.0001`.
-    pub(super) fn name(&self, name: &str) -> String {
-        format!("{name}.{:0DIGITS$}", self.number)
-    }
-
-    /// `NAME.0001.exr` of `NAME.exr`.
-    pub(super) fn file(&self, path: &Path) -> PathBuf {
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let mut name = self.name(&stem);
-        if let Some(extension) = path.extension() {
-            name += &format!(".{}", extension.to_string_lossy());
-        }
-        path.with_file_name(name)
-    }
-}
-
 impl FrameOptions {
+    /// Which frames are wanted; `None` where one picture is.
+    pub(super) fn frames(&self, options: &SceneOptions) -> Result<Option<Frames>, CliError> {
+        let Some(range) = &self.frames else { return Ok(None) };
+        let frames = Frames {
+            first: *range.start(),
+            last: *range.end(),
+            whole: self.sequence.as_ref().map(|whole| [*whole.start(), *whole.end()]),
+            times: self.times,
+            camera_path: self.camera_path.clone(),
+            seeds: self.frame_seeds,
+        };
+        frames.check(&options.changes()).map_err(|problem| CliError::Usage(told(&problem)))?;
+        Ok(Some(frames))
+    }
+
     /// The frames of a packed scene, in order; `None` where one picture is wanted.
     pub(super) fn of(&self, scene: &[u8], options: &SceneOptions) -> Result<Option<Vec<Frame>>, CliError> {
-        let Some(frames) = self.frames.clone() else { return Ok(None) };
-        let sequence = self.sequence.clone().unwrap_or_else(|| frames.clone());
-        self.check(&frames, &sequence, options)?;
+        let Some(frames) = self.frames(options)? else { return Ok(None) };
         let moves = load_bytes(UNNAMED, scene, &[])?.moves;
-        if moves.is_none() && self.camera_path.is_empty() {
-            let text =
-                "nothing in the scene moves, so that all frames would be alike; give key frames, or --camera-path";
-            return Err(CliError::BadInput(text.to_owned()));
-        }
-        // Key frames outside of --times are no reason to move a scene that has none.
-        let times = moves.map(|moves| self.times.unwrap_or(moves));
-        let length = f64::from(sequence.end() - sequence.start()).max(1.0);
-        let frame = |number: u32| {
-            let share = f64::from(number - sequence.start()) / length;
-            let changes = Changes {
-                time: times.map(|[start, end]| start + (end - start) * share),
-                between_cameras: self.between_cameras(share),
-                ..Changes::default()
-            };
-            let seed = if self.frame_seeds == FrameSeeds::Own { u64::from(number) } else { 0 };
-            Frame { number, changes, seed }
-        };
-        Ok(Some(frames.map(frame).collect()))
+        let moments = frames.moments(moves).map_err(|problem| CliError::BadInput(told(&problem)))?;
+        Ok(Some(frames.all(moments).collect()))
     }
+}
 
-    fn check(
-        &self,
-        frames: &RangeInclusive<u32>,
-        sequence: &RangeInclusive<u32>,
-        options: &SceneOptions,
-    ) -> Result<(), CliError> {
-        let shown = |range: &RangeInclusive<u32>| format!("{}-{}", range.start(), range.end());
-        let refused = |text: String| Err(CliError::Usage(text));
-        if frames.start() < sequence.start() || frames.end() > sequence.end() {
-            return refused(format!(
-                "--frames {} leaves --sequence {}; give a part of it",
-                shown(frames),
-                shown(sequence)
-            ));
-        }
-        if options.has_time() {
-            return refused("--time is of one picture; give --times with --frames".to_owned());
-        }
-        if self.camera_path.len() == 1 {
-            return refused("--camera-path has one camera; give two or more, or --camera".to_owned());
-        }
-        if !self.camera_path.is_empty() && options.has_camera() {
-            return refused("--camera and --camera-path exclude each other; give one of them".to_owned());
-        }
-        Ok(())
-    }
+fn told(problem: &BadFrames) -> String {
+    format!("{problem}; {}", problem.remedy())
+}
 
-    /// The place on the camera's path, at a share of it.
-    fn between_cameras(&self, share: f64) -> Option<BetweenCameras> {
-        let ways = self.camera_path.len().checked_sub(1).filter(|ways| *ways > 0)?;
-        let position = share * ways as f64;
-        let way = (position as usize).min(ways - 1);
-        let [from, to] = [way, way + 1].map(|index| self.camera_path[index].clone());
-        Some(BetweenCameras { from, to, share: position - way as f64 })
+/// `NAME.0001.exr` of `NAME.exr`.
+pub(super) fn file_of_frame(path: &Path, number: u32) -> PathBuf {
+    let mut name = numbered(&path.file_stem().unwrap_or_default().to_string_lossy(), number);
+    if let Some(extension) = path.extension() {
+        name += &format!(".{}", extension.to_string_lossy());
     }
+    path.with_file_name(name)
+}
+
+/// Whether an id is that of a sequence.
+pub(super) fn is_sequence(id: &str) -> bool {
+    id.parse::<SequenceId>().is_ok()
 }
 
 fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {

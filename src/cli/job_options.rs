@@ -7,15 +7,16 @@ use clap::Args;
 
 use super::client::Client;
 use super::exit_code::CliError;
-use super::frames::Frame;
 use super::scene_file::in_users_file;
 use super::scene_input::{picture_name, scene_help};
 use super::scene_options::SceneOptions;
 use super::stop_options::StopOptions;
 use super::terminal;
 use crate::api::jobs::JobSubmission;
+use crate::api::sequences::SequenceSubmission;
 use crate::farm::cut::Cut;
 use crate::farm::job::{JobStatus, Priority};
+use crate::farm::sequence::{AtOnce, Frame, Frames, SequenceStatus, numbered};
 
 /// A scene and how to render it.
 #[derive(Clone, Debug, Args)]
@@ -92,13 +93,35 @@ impl JobOptions {
         let mut submission = self.submission()?;
         submission.scene = Some(scene.to_owned());
         if let Some(frame) = frame {
-            let name = submission.name.take();
-            let name = name.unwrap_or_else(|| picture_name(&self.scene).to_string_lossy().into_owned());
-            submission.name = Some(frame.name(&name));
+            submission.name = Some(numbered(&self.sequence_name(), frame.number));
             submission.scene_changes = Some(frame.changes.clone());
             submission.seed = submission.seed.wrapping_add(frame.seed);
         }
         client.submit(&submission).await.map_err(|error| error.about(&self.scene))
+    }
+
+    /// What the frames of a sequence are called, before their numbers.
+    fn sequence_name(&self) -> String {
+        self.name.clone().unwrap_or_else(|| picture_name(&self.scene).to_string_lossy().into_owned())
+    }
+
+    /// Uploads the scene and submits its frames, and tells the notices of the first one.
+    pub(super) async fn send_sequence(
+        &self,
+        client: &Client,
+        scene: Vec<u8>,
+        frames: Frames,
+        at_once: AtOnce,
+    ) -> Result<SequenceStatus, CliError> {
+        let mut job = self.submission()?;
+        job.scene = Some(self.upload(client, scene).await?);
+        job.name = Some(self.sequence_name());
+        let submission = SequenceSubmission { job, frames, at_once };
+        let sequence = client.submit_sequence(&submission).await.map_err(|error| error.about(&self.scene))?;
+        if let Some(first) = sequence.jobs.first() {
+            self.tell_notices(&client.job(&first.job).await?, &mut HashSet::new());
+        }
+        Ok(sequence)
     }
 
     /// Tells a job's notices, but for those that were told.

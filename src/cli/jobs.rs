@@ -30,6 +30,9 @@ pub(super) struct Jobs {
     /// Only jobs of this user.
     #[arg(long, value_name = "USER")]
     owner: Option<UserName>,
+    /// Only the frames of this sequence.
+    #[arg(long, value_name = "ID")]
+    sequence: Option<String>,
     /// Only jobs that were submitted after the one with this id.
     #[arg(long, value_name = "ID")]
     after: Option<String>,
@@ -45,8 +48,8 @@ pub(super) struct Jobs {
 
 impl Jobs {
     pub(super) async fn run(self) -> Result<(), CliError> {
-        let Self { state, tag, name, owner, after, limit, json, coordinator } = self;
-        let jobs = coordinator.client()?.jobs(&JobsQuery { state, tag, name, owner, after, limit }).await?;
+        let Self { state, tag, name, owner, sequence, after, limit, json, coordinator } = self;
+        let jobs = coordinator.client()?.jobs(&JobsQuery { state, tag, name, owner, sequence, after, limit }).await?;
         if json {
             return terminal::json(&jobs);
         }

@@ -25,6 +25,7 @@ mod one_job;
 mod outputs;
 mod pause;
 mod plan;
+mod preview;
 mod processor;
 mod progress;
 mod provider_options;
@@ -36,6 +37,7 @@ mod scene_file;
 mod scene_input;
 mod scene_options;
 mod scenes;
+mod sequences;
 mod serve;
 mod shell;
 mod signals;
@@ -103,6 +105,7 @@ enum Command {
     Change(change::Change),
     Rm(rm::Remove),
     Jobs(jobs::Jobs),
+    Sequences(sequences::Sequences),
     Scenes(scenes::Scenes),
     Workers(workers::Workers),
     Journal(journal::Journal),
@@ -164,6 +167,7 @@ fn run(command: Command) -> Result<(), CliError> {
         Command::Change(command) => in_runtime(command.run()),
         Command::Rm(command) => in_runtime(command.run()),
         Command::Jobs(command) => in_runtime(command.run()),
+        Command::Sequences(command) => in_runtime(command.run()),
         Command::Scenes(command) => in_runtime(command.run()),
         Command::Workers(command) => in_runtime(command.run()),
         Command::Journal(command) => in_runtime(command.run()),

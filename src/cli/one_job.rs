@@ -1,16 +1,17 @@
-//! A job of a coordinator, and what is said of it after something was done to it.
+//! A job or a sequence of a coordinator, and what is said of it after something was done to it.
 
 use clap::Args;
+use serde::Serialize;
 
 use super::client::{Client, CoordinatorOption};
 use super::exit_code::CliError;
+use super::frames::is_sequence;
 use super::terminal;
-use crate::farm::job::JobStatus;
 
 /// A job of a coordinator.
 #[derive(Clone, Debug, Args)]
 pub(super) struct OneJob {
-    /// The job's id.
+    /// The job's id; of what may be done to all frames of a sequence at once (cancel, pause, resume) also a sequence's.
     pub(super) id: String,
     /// Print the job's status afterwards as JSON.
     #[arg(long)]
@@ -26,11 +27,15 @@ impl OneJob {
 
     /// Does something to it that needs no more than its name (`/cancel`, `/pause`, `/resume`).
     pub(super) async fn control(&self, what: &str) -> Result<(), CliError> {
-        self.answer(&self.client()?.control(&self.id, what).await?)
+        let client = self.client()?;
+        if is_sequence(&self.id) {
+            return self.answer(&client.control_sequence(&self.id, what).await?);
+        }
+        self.answer(&client.control(&self.id, what).await?)
     }
 
     /// Says what became of it, where that is wanted.
-    pub(super) fn answer(&self, status: &JobStatus) -> Result<(), CliError> {
+    pub(super) fn answer(&self, status: &impl Serialize) -> Result<(), CliError> {
         if self.json { terminal::json(status) } else { Ok(()) }
     }
 }

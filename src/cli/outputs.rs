@@ -7,7 +7,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser};
 
 use super::client::{Client, Fetched};
 use super::exit_code::CliError;
-use super::frames::Frame;
+use super::frames::file_of_frame;
 use super::progress::passes_of;
 use super::scene_input::picture_name;
 use super::terminal;
@@ -95,8 +95,8 @@ impl OutputOptions {
     }
 
     /// The same for a frame of a sequence: its number goes into the files' names.
-    pub(super) fn of_frame(&self, frame: &Frame) -> Self {
-        Self { outputs: self.outputs.iter().map(|path| frame.file(path)).collect(), ..self.clone() }
+    pub(super) fn of_frame(&self, number: u32) -> Self {
+        Self { outputs: self.outputs.iter().map(|path| file_of_frame(path, number)).collect(), ..self.clone() }
     }
 
     /// What is asked of a coordinator for a frame of a preview.

@@ -5,7 +5,7 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::one_job::OneJob;
 
-/// Stop issuing work of a job.
+/// Stop issuing work of a job or a sequence.
 ///
 /// What is being traced is still merged. `resume` lets it go on.
 #[derive(Clone, Debug, Args)]

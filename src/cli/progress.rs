@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::terminal;
 use crate::farm::job::{Acceptance, JobState, JobStatus};
+use crate::farm::sequence::{SequenceState, SequenceStatus};
 
 /// Time between plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(10);
@@ -58,6 +59,21 @@ impl Progress {
             self.last_state = state;
             self.last_line = Some(Instant::now());
             terminal::note(&description(status, usize::MAX));
+        }
+    }
+
+    pub(super) fn show_sequence(&mut self, status: &SequenceStatus) {
+        let SequenceStatus { frames_done, frames_total, progress, .. } = status;
+        let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
+        let text = format!("{frames_done} of {frames_total} frames, {:.0} %{left}", 100.0 * progress);
+        let paused = if status.state == SequenceState::Paused { ", paused" } else { "" };
+        if let Some(bar) = &self.bar {
+            bar.set_position((progress * STEPS as f64) as u64);
+            return bar.set_message(text + paused);
+        }
+        if self.last_line.is_none_or(|last| last.elapsed() >= LINE_INTERVAL) {
+            self.last_line = Some(Instant::now());
+            terminal::note(&(text + paused));
         }
     }
 

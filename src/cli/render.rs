@@ -13,6 +13,7 @@ use super::farm_options::{farm_with_api, threads_per_worker};
 use super::frames::FrameOptions;
 use super::job_options::JobOptions;
 use super::outputs::{OutputOptions, default_outputs};
+use super::preview::PreviewOptions;
 use super::progress::{Progress, acceptance, passes_of, rate};
 use super::scene_input::picture_name;
 use super::tev::{TevOption, TevViewer};
@@ -22,7 +23,6 @@ use crate::farm::job::{JobState, JobStatus};
 use crate::import::{UNNAMED, load_bytes};
 use crate::method::MethodChoice;
 use crate::scene::Scene;
-use sequence::PreviewOptions;
 
 /// Render a scene on this machine.
 ///
@@ -66,7 +66,7 @@ impl Render {
             self.output.check_light_groups()?;
         }
         self.weight_maps.as_deref().map(weight_maps::check).transpose()?;
-        self.preview.check()?;
+        self.preview.check(self.frames.frames(&self.job.options)?.is_some())?;
         let scene = self.job.options.pack(&self.job.scene)?;
         let frames = self.frames.of(&scene, &self.job.options)?;
         let workers = usize::from(self.workers);

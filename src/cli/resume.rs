@@ -5,7 +5,7 @@ use clap::Args;
 use super::exit_code::CliError;
 use super::one_job::OneJob;
 
-/// Let a paused job go on.
+/// Let a paused job or sequence go on.
 ///
 /// Also one that paused because the disk was full, or because workers were lost over it.
 #[derive(Clone, Debug, Args)]

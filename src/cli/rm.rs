@@ -4,14 +4,15 @@ use clap::Args;
 
 use super::client::CoordinatorOption;
 use super::exit_code::CliError;
+use super::frames::is_sequence;
 use super::terminal;
 
-/// Delete a job and its pictures, or a scene that no job refers to.
+/// Delete a job and its pictures, a sequence and all of its jobs, or a scene that no job refers to.
 ///
-/// A job that runs is cancelled first.
+/// What runs is cancelled first.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Remove {
-    /// The job's id.
+    /// The id of the job or sequence.
     #[arg(required_unless_present = "scene")]
     id: Option<String>,
     /// The scene's hash.
@@ -28,7 +29,11 @@ impl Remove {
     pub(super) async fn run(self) -> Result<(), CliError> {
         let client = self.coordinator.client()?;
         if let Some(id) = &self.id {
-            client.delete_job(id).await?;
+            if is_sequence(id) {
+                client.delete_sequence(id).await?;
+            } else {
+                client.delete_job(id).await?;
+            }
         }
         if let Some(hash) = &self.scene {
             client.delete_scene(hash).await?;

@@ -71,17 +71,8 @@ impl SceneOptions {
         }
     }
 
-    /// Whether one moment is asked for.
-    pub(super) fn has_time(&self) -> bool {
-        self.time.is_some()
-    }
-
-    /// Whether a camera is asked for.
-    pub(super) fn has_camera(&self) -> bool {
-        self.camera.is_some()
-    }
-
-    fn changes(&self) -> Changes {
+    /// What of them changes the scene that was read.
+    pub(super) fn changes(&self) -> Changes {
         Changes {
             width: self.size.map(|size| size.width),
             height: self.size.and_then(|size| size.height),

@@ -1,28 +1,28 @@
-//! `submit`: sends a scene and prints the job's id.
-
-use std::collections::HashSet;
+//! `submit`: sends a scene and prints the id of its job or sequence.
 
 use clap::Args;
 
-use super::client::{Client, CoordinatorOption};
+use super::client::CoordinatorOption;
 use super::exit_code::CliError;
-use super::frames::{Frame, FrameOptions};
+use super::frames::FrameOptions;
 use super::job_options::JobOptions;
 use super::terminal;
-use crate::api::job_control::JobPatch;
-use crate::farm::job::JobStatus;
+use crate::farm::sequence::AtOnce;
 
 /// Send a scene to a coordinator; prints the job's id.
 ///
-/// Nothing else goes to standard output. With --frames it prints the ids of all frames' jobs, one a line; they share a tag by which `jobs --tag`
-/// finds them.
+/// Nothing else goes to standard output. With --frames it prints the id of a sequence, whose frames are jobs; watch, fetch, pause, resume, cancel
+/// and rm take it, too.
 #[derive(Clone, Debug, Args)]
 pub(super) struct Submit {
     #[command(flatten)]
     job: JobOptions,
     #[command(flatten)]
     frames: FrameOptions,
-    /// Print the job's status as JSON instead.
+    /// Frames that are rendered at the same time, 1 to 100 [default: 2].
+    #[arg(long, value_name = "N", value_parser = at_once, requires = "frames")]
+    frames_at_once: Option<AtOnce>,
+    /// Print the status of the job or sequence as JSON instead.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -32,36 +32,19 @@ pub(super) struct Submit {
 impl Submit {
     pub(super) async fn run(self) -> Result<(), CliError> {
         let client = self.coordinator.client()?;
+        let frames = self.frames.frames(&self.job.options)?;
         let scene = self.job.options.pack(&self.job.scene)?;
-        if let Some(frames) = self.frames.of(&scene, &self.job.options)? {
-            return self.submit_sequence(&client, scene, &frames).await;
+        if let Some(frames) = frames {
+            let at_once = self.frames_at_once.unwrap_or_default();
+            let sequence = self.job.send_sequence(&client, scene, frames, at_once).await?;
+            return if self.json { terminal::json(&sequence) } else { terminal::result(&sequence.id) };
         }
         let job = self.job.send(&client, scene).await?;
         if self.json { terminal::json(&job) } else { terminal::result(&job.id) }
     }
+}
 
-    /// Submits all frames of a sequence. The scene goes over the network once: a frame is a change of it.
-    async fn submit_sequence(mut self, client: &Client, scene: Vec<u8>, frames: &[Frame]) -> Result<(), CliError> {
-        let base = self.job.upload(client, scene).await?;
-        let (mut jobs, mut told): (Vec<JobStatus>, _) = (Vec::new(), HashSet::new());
-        for frame in frames {
-            let mut job = self.job.submit(client, &base, Some(frame)).await?;
-            self.job.tell_notices(&job, &mut told);
-            if jobs.is_empty() {
-                // Nothing but the first job's id tells this sequence from others.
-                self.job.tags.push(format!("sequence-{}", job.id));
-                job = client
-                    .change(&job.id, &JobPatch { tags: Some(self.job.tags.clone()), ..JobPatch::default() })
-                    .await?;
-            }
-            if !self.json {
-                terminal::result(&job.id)?;
-            }
-            jobs.push(job);
-        }
-        if let (Some(first), Some(tag)) = (jobs.first(), self.job.tags.last()) {
-            terminal::note(&format!("{} jobs from {} on have the tag {tag}", jobs.len(), first.id));
-        }
-        if self.json { terminal::json(&jobs) } else { Ok(()) }
-    }
+fn at_once(text: &str) -> Result<AtOnce, String> {
+    let number = text.parse::<u8>().ok().and_then(|number| AtOnce::try_from(number).ok());
+    number.ok_or_else(|| format!("give a number from 1 to {}", AtOnce::MOST))
 }

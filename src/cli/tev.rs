@@ -37,6 +37,14 @@ pub(super) struct TevOption {
 }
 
 impl TevOption {
+    /// A sequence has many pictures.
+    pub(super) fn refuse_for_sequences(&self) -> Result<(), CliError> {
+        if self.tev.is_none() {
+            return Ok(());
+        }
+        Err(CliError::Usage("--tev shows one picture; give the id of a frame's job".to_owned()))
+    }
+
     /// Shows the picture of a job as `name`, with further layers by their names. Nothing happens where no tev was asked for.
     pub(super) fn show(&self, client: &Client, job: &str, name: String, layers: &[String]) -> TevViewer {
         let Some(address) = self.tev.clone() else { return TevViewer { work: None } };

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use super::access::caller::Denied;
 use super::access::secret::NoRandomness;
-use super::ids::JobId;
+use super::ids::{JobId, SequenceId};
+use super::sequence::BadFrames;
 use super::store::StoreError;
 use crate::estimate::denoise::DenoiseError;
 use crate::method::MethodError;
@@ -19,6 +20,12 @@ pub enum FarmError {
     /// No job has this id.
     #[error("there is no job \"{0}\"")]
     UnknownJob(JobId),
+    /// No sequence has this id.
+    #[error("there is no sequence \"{0}\"")]
+    UnknownSequence(SequenceId),
+    /// The frames cannot be.
+    #[error("{0}; {remedy}", remedy = .0.remedy())]
+    BadFrames(#[from] BadFrames),
     /// No worker has this number.
     #[error("there is no worker \"{0}\"")]
     UnknownWorker(String),

@@ -74,17 +74,64 @@ impl FromStr for JobId {
     }
 }
 
-impl Serialize for JobId {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
+/// How the id of a sequence begins.
+const SEQUENCE: &str = "seq-";
+
+/// A sequence. Written as `seq-` and the digits of a job's id, for example `seq-0czk4m2t`; its number is no job's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct SequenceId(JobId);
+
+impl SequenceId {
+    /// The sequence that takes the number of a job.
+    pub const fn new(job: JobId) -> Self {
+        Self(job)
+    }
+
+    /// The number, as it is stored.
+    pub const fn number(self) -> u64 {
+        self.0.number()
     }
 }
 
-impl<'de> Deserialize<'de> for JobId {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+/// A text that is not a sequence's id.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("\"{0}\" is not a sequence's id")]
+pub struct BadSequenceId(pub String);
+
+impl fmt::Display for SequenceId {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{SEQUENCE}{}", self.0)
     }
 }
+
+impl FromStr for SequenceId {
+    type Err = BadSequenceId;
+
+    fn from_str(text: &str) -> Result<Self, BadSequenceId> {
+        let number = text.strip_prefix(SEQUENCE).and_then(|digits| digits.parse().ok());
+        number.map(Self).ok_or_else(|| BadSequenceId(text.to_owned()))
+    }
+}
+
+/// Ids that are written as text.
+macro_rules! as_text {
+    ($name:ident) => {
+        impl Serialize for $name {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                serializer.collect_str(self)
+            }
+        }
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                String::deserialize(deserializer)?.parse().map_err(serde::de::Error::custom)
+            }
+        }
+    };
+}
+
+as_text!(JobId);
+as_text!(SequenceId);
 
 macro_rules! number {
     ($(#[$documentation:meta])* $name:ident) => {
@@ -148,6 +195,9 @@ mod tests {
         let texts: Vec<String> = numbers[..6].iter().map(|number| JobId::new(*number).to_string()).collect();
         assert!(texts.is_sorted(), "{texts:?}");
         assert_eq!("0000oil0".parse(), Ok(JobId::new(((1 << 5) + 1) << 5)));
+        let sequence = SequenceId::new(JobId::new(31));
+        assert_eq!((sequence.to_string().as_str(), sequence.to_string().parse()), ("seq-0000000z", Ok(sequence)));
+        assert!("0000000z".parse::<SequenceId>().is_err() && "seq-0000000z".parse::<JobId>().is_err());
         for wrong in ["", "job-1", "0000000u", "zzzzzzzzzzzzzz", "1"] {
             assert!(wrong.parse::<JobId>().is_err(), "{wrong}");
         }

@@ -8,7 +8,7 @@ use utoipa::ToSchema;
 
 use super::access::user::UserName;
 use super::cut::Cut;
-use super::ids::JobId;
+use super::ids::{JobId, SequenceId};
 pub use super::measured::{Acceptance, EstimatedError};
 pub use super::status_of_worker::{LastError, WorkerState, WorkerStatus};
 pub use crate::import::changes::Changes as SceneChanges;
@@ -119,6 +119,9 @@ pub struct JobRequest {
     /// Whether the light of each light group of its scene is kept apart.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub light_groups: bool,
+    /// Which frame of which sequence it is, if it is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameOfSequence>,
 }
 
 impl JobRequest {
@@ -135,8 +138,20 @@ impl JobRequest {
             tags: Vec::new(),
             priority: Priority::DEFAULT,
             light_groups: false,
+            frame: None,
         }
     }
+}
+
+/// Which frame of which sequence a job is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FrameOfSequence {
+    /// The sequence.
+    #[schema(value_type = String)]
+    pub sequence: SequenceId,
+    /// The frame's number.
+    pub number: u32,
 }
 
 /// What a job is doing.
@@ -237,6 +252,8 @@ pub struct JobFilter {
     pub name: Option<String>,
     /// Those of this user.
     pub owner: Option<UserName>,
+    /// The frames of this sequence.
+    pub sequence: Option<SequenceId>,
     /// Those that were submitted after this one.
     pub after: Option<JobId>,
 }
@@ -248,6 +265,7 @@ impl JobFilter {
             && self.tag.as_ref().is_none_or(|tag| job.tags.contains(tag))
             && self.name.as_ref().is_none_or(|name| job.name.as_ref() == Some(name))
             && self.owner.as_ref().is_none_or(|owner| job.owner.as_ref() == Some(owner))
+            && self.sequence.is_none_or(|sequence| job.frame.is_some_and(|frame| frame.sequence == sequence))
     }
 }
 
@@ -277,6 +295,9 @@ pub struct JobStatus {
     /// What people call it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
+    /// Which frame of which sequence it is, if it is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameOfSequence>,
     /// Words to find it by.
     #[serde(default)]
     #[schema(required = true)]

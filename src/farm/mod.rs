@@ -34,11 +34,13 @@
 //! | [`worker`] | the other end |
 //! | [`dial`] | how this process opens connections to others |
 //! | [`method_choice`], [`prepared_scenes`], [`tls`] | trials of methods; the scenes of this process; the cryptography of its clients |
+//! | [`sequence`] | many frames of one scene: what each shows |
 //! | [`webhooks`] | programs that are told of jobs |
 //! | [`standby`] | coordinators that wait until they lead |
 //! | [`local_farm`] | all of it inside a program |
 
 pub mod access;
+mod changed_scene;
 pub mod coordinator;
 pub mod cut;
 pub mod dial;
@@ -55,6 +57,7 @@ pub mod merging;
 pub mod method_choice;
 pub mod prepared_scenes;
 pub mod rules;
+pub mod sequence;
 pub mod snapshot;
 pub(crate) mod standby;
 pub(crate) mod status_of_worker;

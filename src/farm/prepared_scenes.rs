@@ -7,7 +7,9 @@ use std::sync::{Arc, Mutex};
 
 use tokio::sync::OnceCell;
 
+use super::job::SceneChanges;
 use super::locks::lock;
+use crate::import::{UNNAMED, load_changed_bytes};
 use crate::scene::Scene;
 use crate::scene::error::SceneError;
 
@@ -53,8 +55,12 @@ impl PreparedScenes {
     }
 }
 
-/// From the bytes of an upload to a scene that can be rendered. Coordinator and workers read scenes alike.
+/// From the bytes of a whole scene to one that can be rendered. Coordinator and workers read scenes alike.
 pub fn prepare_scene(bytes: &[u8]) -> Result<Scene, SceneError> {
-    let description = crate::import::load_bytes(crate::import::UNNAMED, bytes, &[])?;
-    Scene::prepare(&description)
+    prepare_changed_scene(bytes, &SceneChanges::default())
+}
+
+/// The same with changes of the scene.
+pub(super) fn prepare_changed_scene(bytes: &[u8], changes: &SceneChanges) -> Result<Scene, SceneError> {
+    Scene::prepare(&load_changed_bytes(UNNAMED, bytes, changes)?)
 }

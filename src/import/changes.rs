@@ -82,7 +82,7 @@ impl Changes {
     }
 
     /// These changes, and of `others` what these do not say.
-    pub(super) fn over(self, others: Self) -> Self {
+    pub(crate) fn over(self, others: Self) -> Self {
         Self {
             width: self.width.or(others.width),
             height: self.height.or(others.height),

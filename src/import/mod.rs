@@ -89,6 +89,16 @@ pub fn load_bytes(name: &str, bytes: &[u8], defines: &[(String, String)]) -> Res
     Source::from_bytes(name, bytes.into())?.import(defines).map(|imported| imported.description)
 }
 
+/// [`load_bytes`] with `changes`, which count before those that an archive brings along.
+///
+/// # Errors
+/// As [`load_changed`].
+pub fn load_changed_bytes(name: &str, bytes: &[u8], changes: &Changes) -> Result<SceneDescription, SceneError> {
+    let mut source = Source::from_bytes(name, bytes.into())?;
+    source.changes = changes.clone().over(source.changes);
+    source.import(&[]).map(|imported| imported.description)
+}
+
 /// A scene file that was found and read, but not yet looked into.
 struct Source {
     name: String,

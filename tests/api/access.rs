@@ -68,12 +68,13 @@ async fn farm() -> Farm {
 }
 
 /// Every operation of the API's description, with the job and the scene that are there put into its address.
-async fn operations(farm: &Farm, job: &str, scene: &str) -> Vec<(Method, String)> {
+async fn operations(farm: &Farm, job: &str, sequence: &str, scene: &str) -> Vec<(Method, String)> {
     let text = farm.request(Method::GET, "/v1/openapi.json", None).send().await.expect("an answer").text().await;
     let description: Value = serde_json::from_str(&text.expect("text")).expect("JSON");
     let mut operations = Vec::new();
     for (path, methods) in description["paths"].as_object().expect("paths") {
-        let names = [("{id}", job), ("{hash}", scene), ("{name}", "nobody")];
+        let id = if path.starts_with("/v1/sequences") { sequence } else { job };
+        let names = [("{id}", id), ("{hash}", scene), ("{name}", "nobody")];
         let address = names.iter().fold(path.clone(), |path, (name, value)| path.replace(name, value));
         for method in methods.as_object().expect("methods").keys() {
             operations.push((method.to_uppercase().parse().expect("a method"), address.clone()));
@@ -103,7 +104,11 @@ async fn every_endpoint_asks_who_it_is() {
     let (_, job) = farm.submit(Some(&anna)).await;
     let (job, scene) =
         (job["id"].as_str().expect("an id").to_owned(), job["scene"].as_str().expect("a scene").to_owned());
-    let operations = operations(&farm, &job, &scene).await;
+    let frames = json!({ "first": 1, "last": 3, "camera_path": ["0", "0"] });
+    let sequence = json!({ "job": { "scene_inline": SCENE }, "frames": frames });
+    let (_, sequence) = farm.json(Method::POST, "/v1/sequences", Some(&anna), sequence).await;
+    let sequence = sequence["id"].as_str().expect("an id").to_owned();
+    let operations = operations(&farm, &job, &sequence, &scene).await;
     assert!(operations.len() > 30, "{operations:?}");
     for (method, path) in operations {
         let what = format!("{method} {path}");
@@ -121,7 +126,8 @@ async fn every_endpoint_asks_who_it_is() {
         let is_refused = |status: u16| status == 401 || status == 403;
         assert_eq!(is_refused(viewer), is_for_admins || !(reads || is_for_users), "{what} by a viewer: {viewer}");
         let artist = farm.status(method.clone(), &path, Some(&ben)).await;
-        let is_others = !reads && (path.contains(&job) || path.contains(&scene)) && !path.ends_with("/clone");
+        let is_owned = path.contains(&job) || path.contains(&sequence) || path.contains(&scene);
+        let is_others = !reads && is_owned && !path.ends_with("/clone");
         let is_revoked = path.starts_with("/v1/tokens/");
         assert_eq!(is_refused(artist), is_for_admins || is_others && !is_revoked, "{what} by an artist: {artist}");
         // Whoever is let in deletes it, so that comes last.
@@ -129,7 +135,9 @@ async fn every_endpoint_asks_who_it_is() {
             assert!(!is_refused(farm.status(method, &path, Some(&anna)).await), "{what} by an admin");
         }
     }
-    for path in [format!("/v1/jobs/{job}"), format!("/v1/scenes/{scene}"), "/v1/users/vera".to_owned()] {
+    let [job, sequence, scene] = [format!("jobs/{job}"), format!("sequences/{sequence}"), format!("scenes/{scene}")];
+    for path in [job, sequence, scene, "users/vera".to_owned()] {
+        let path = format!("/v1/{path}");
         assert_eq!(farm.status(Method::DELETE, &path, Some(&anna)).await, 204, "{path} by an admin");
     }
 }

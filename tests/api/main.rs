@@ -11,5 +11,6 @@ mod access;
 mod end_to_end;
 mod mattes;
 mod programs;
+mod sequences;
 mod tls;
 mod webhooks;

@@ -21,25 +21,31 @@ const ROOMS: [(&str, &[u8]); 2] = [
 ];
 const SCENE: &str = include_str!("../references/furnace-closed/scene.xml");
 
-struct Farm {
+pub(crate) struct Farm {
     base: String,
     http: reqwest::Client,
-    local: LocalFarm,
+    pub(crate) local: LocalFarm,
 }
 
 impl Farm {
-    async fn start(workers: usize, store: Store) -> Self {
+    pub(crate) async fn start(workers: usize, store: Store) -> Self {
         let routes = |coordinator, shutdown| api::router(api::ApiState { coordinator, shutdown });
         let builder = LocalFarm::builder().workers(workers).options(CoordinatorOptions::default()).store(store);
         let local = builder.routes(routes).start().await.expect("a farm");
         Self { base: local.url(), http: http_client(Duration::from_secs(90)), local }
     }
 
-    async fn in_memory(workers: usize) -> Self {
+    pub(crate) async fn in_memory(workers: usize) -> Self {
         Self::start(workers, Store::in_memory().await.expect("a store")).await
     }
 
-    async fn send(&self, method: Method, path: &str, headers: &[(&str, &str)], body: Option<Value>) -> Response {
+    pub(crate) async fn send(
+        &self,
+        method: Method,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: Option<Value>,
+    ) -> Response {
         let mut request = self.http.request(method, format!("{}{path}", self.base));
         for (name, value) in headers {
             request = request.header(*name, *value);
@@ -50,13 +56,19 @@ impl Farm {
         request.send().await.expect("an answer")
     }
 
-    async fn json(&self, method: Method, path: &str, headers: &[(&str, &str)], body: Option<Value>) -> (u16, Value) {
+    pub(crate) async fn json(
+        &self,
+        method: Method,
+        path: &str,
+        headers: &[(&str, &str)],
+        body: Option<Value>,
+    ) -> (u16, Value) {
         let response = self.send(method, path, headers, body).await;
         let status = response.status().as_u16();
         (status, serde_json::from_slice(&response.bytes().await.expect("a body")).unwrap_or_default())
     }
 
-    async fn jobs(&self) -> usize {
+    pub(crate) async fn jobs(&self) -> usize {
         let (_, list) = self.json(Method::GET, "/v1/jobs", &[], None).await;
         list["jobs"].as_array().expect("a list").len()
     }
@@ -66,7 +78,7 @@ fn job(passes: u32) -> Value {
     json!({ "scene_inline": SCENE, "method": "sppm", "parameters": { "photons_per_pass": 2000 }, "stop": { "passes": passes } })
 }
 
-fn header(response: &Response, name: &str) -> String {
+pub(crate) fn header(response: &Response, name: &str) -> String {
     response.headers().get(name).and_then(|value| value.to_str().ok()).unwrap_or_default().to_owned()
 }
 

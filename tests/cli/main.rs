@@ -14,6 +14,7 @@ mod serving;
 mod access;
 mod commands;
 mod evaluate;
+mod farm_sequences;
 mod imported_symbols;
 mod jobs;
 mod maps;

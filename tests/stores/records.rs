@@ -7,11 +7,12 @@ use photonfarm::farm::access::scope::{Role, Scope};
 use photonfarm::farm::access::secret::SecretHash;
 use photonfarm::farm::access::token::Token;
 use photonfarm::farm::access::user::{User, UserName};
-use photonfarm::farm::ids::JobId;
+use photonfarm::farm::ids::{JobId, SequenceId};
 use photonfarm::farm::job::JobState;
 use photonfarm::farm::store::jobs::{JobRow, Snapshots};
 use photonfarm::farm::store::journal::JournalRow;
 use photonfarm::farm::store::scenes::SceneRow;
+use photonfarm::farm::store::sequences::SequenceRow;
 use photonfarm::farm::store::{BlobName, BlobsLocation, RecordsLocation, Store, StoreError, StoreLocation};
 
 use crate::ONE_AT_A_TIME;
@@ -53,6 +54,10 @@ fn job(id: JobId, scene: &str) -> JobRow {
     }
 }
 
+fn sequence(number: u64, record: &str) -> SequenceRow {
+    SequenceRow { id: SequenceId::new(JobId::new(number)), created: 4, record: record.to_owned() }
+}
+
 /// Opens a store when the term of whoever led before is over.
 pub(crate) async fn open(location: &StoreLocation) -> Store {
     for _ in 0..150 {
@@ -73,6 +78,9 @@ pub(crate) async fn empty(store: &Store) {
     }
     for row in store.job_rows().await.expect("rows") {
         store.delete_job(row.id).await.expect("deleted");
+    }
+    for row in store.sequence_rows().await.expect("rows") {
+        store.delete_sequence(row.id).await.expect("deleted");
     }
     for row in store.scene_rows().await.expect("rows") {
         store.delete_scene(&row.hash).await.expect("deleted");
@@ -107,6 +115,13 @@ async fn records_are_there_when_a_store_is_opened_again() {
             |text: &str| JournalRow { sequence: 0, time: 3, job: Some(first), worker: None, text: text.to_owned() };
         store.append_journal(&[line("one"), line("two")]).await.expect("appended");
         store.record_worker("w", 2, 10).await.expect("recorded");
+        let sequences = [5, 6].map(|number| sequence(number, "{\"made\":0}"));
+        for row in &sequences {
+            store.put_sequence(row).await.expect("inserted");
+        }
+        let further = sequence(5, "{\"made\":1}");
+        store.put_sequence(&further).await.expect("updated");
+        store.delete_sequence(sequences[1].id).await.expect("deleted");
         store.close().await;
         drop(store);
 
@@ -115,6 +130,7 @@ async fn records_are_there_when_a_store_is_opened_again() {
         assert_eq!(store.job_rows().await.expect("rows"), rows);
         assert_eq!(store.job_row(first).await.expect("a row"), Some(rows[0].clone()));
         assert_eq!(store.scene_rows().await.expect("rows"), [scene("aa")]);
+        assert_eq!(store.sequence_rows().await.expect("rows"), [further]);
         let lines = store.journal(0, Some(first), 100).await.expect("lines");
         let texts: Vec<&str> = lines.iter().rev().take(2).map(|row| row.text.as_str()).collect();
         assert_eq!(texts, ["two", "one"]);
@@ -332,6 +348,8 @@ async fn stores_of_earlier_versions_open() {
         assert_eq!(store.job_rows().await.expect("rows").len(), 1, "{}", file.display());
         let users = if file.ends_with("version-1.sqlite") { 0 } else { 2 };
         assert_eq!(store.users().await.expect("users").len(), users, "{}", file.display());
+        let sequences = usize::from(file.ends_with("version-4.sqlite"));
+        assert_eq!(store.sequence_rows().await.expect("rows").len(), sequences, "{}", file.display());
         versions += 1;
         assert!(store.version().await.expect("a version") >= versions);
     }

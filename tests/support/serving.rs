@@ -99,6 +99,10 @@ impl Coordinator {
         serde_json::from_slice(&self.get(&format!("/v1/jobs/{id}")).await).expect("JSON")
     }
 
+    pub(crate) async fn sequence(&self, id: &str) -> Value {
+        serde_json::from_slice(&self.get(&format!("/v1/sequences/{id}")).await).expect("JSON")
+    }
+
     pub(crate) async fn jobs(&self) -> Vec<Value> {
         let list: Value = serde_json::from_slice(&self.get("/v1/jobs").await).expect("JSON");
         list["jobs"].as_array().expect("a list").clone()

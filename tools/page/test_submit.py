@@ -84,7 +84,7 @@ def test_what_is_wrong_is_told_with_place_and_remedy(farm, open_page):
     expect(problem).to_contain_text("triangle.obj")
     expect(page.locator("#upload")).to_contain_text("choose its folder")
     page.locator("#scene-file").set_input_files(SCENE)
-    page.locator("#submit-form").get_by_label("Camera").fill("none of this name")
+    page.locator("#submit-form").get_by_label("Camera", exact=True).fill("none of this name")
     page.locator("#check").click()
     expect(page.locator("#check-answer .problem")).to_contain_text("none of this name")
 

@@ -9,8 +9,9 @@ array = job.picture()
 
 from .errors import FarmError
 from .farm import Farm, FarmEvent, JobOptions
+from .frame_sequence import FrameSequence
 from .generated.models import JobView, StopRule
 from .job import Job
 from .local_farm import LocalFarm
 
-__all__ = ["Farm", "FarmError", "FarmEvent", "Job", "JobOptions", "JobView", "LocalFarm", "StopRule"]
+__all__ = ["Farm", "FarmError", "FarmEvent", "FrameSequence", "Job", "JobOptions", "JobView", "LocalFarm", "StopRule"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -16,8 +17,10 @@ from typing_extensions import Unpack
 from .connection import Connection, Model, Request
 from .errors import FarmError, found_here
 from .event_stream import ServerEvent, follow
+from .frame_sequence import FrameSequence
 from .generated.models import (
     DeletedJob,
+    Frames,
     JobList,
     JobState,
     Journal,
@@ -31,6 +34,8 @@ from .generated.models import (
     SceneList,
     SceneSummary,
     SceneView,
+    SequenceList,
+    SequenceStatus,
     Validation,
     WorkerList,
     WorkerStatus,
@@ -135,6 +140,42 @@ class Farm:
             options: `method`, `parameters`, `stop` (`{"passes": 64}`), `scene_changes`, `cut`, `seed`, `name`, `tags`, `priority`, `light_groups`.
         """
         return submitted(self.connection, "/v1/jobs", self._submission(scene, options), idempotency_key, wait)
+
+    def submit_sequence(
+        self,
+        scene: Scene,
+        frames: tuple[int, int] | Frames | Mapping[str, Any],
+        *,
+        at_once: int | None = None,
+        idempotency_key: str | None = None,
+        **options: Unpack[JobOptions],
+    ) -> FrameSequence:
+        """Submits many pictures of one scene in which things move, or of which the camera goes along a path.
+
+        Args:
+            scene: as for `submit`.
+            frames: the first and the last frame, or more of what docs/REST.md says of `frames`.
+            at_once: how many frames are rendered at the same time, 1 to 100; 2 by default.
+            idempotency_key: as for `submit`.
+            options: what all frames have in common, as for `submit`.
+        """
+        wanted = {"first": frames[0], "last": frames[1]} if isinstance(frames, tuple) else frames
+        fields = given(frames=wanted, at_once=at_once) | {"job": self._submission(scene, options)}
+        # With a key, a request whose answer was lost can be sent again and makes no second sequence.
+        headers = {"Idempotency-Key": idempotency_key or str(uuid.uuid4())}
+        request = Request("POST", "/v1/sequences", headers=headers, is_repeatable=True, patience=UPLOAD_PATIENCE)
+        return FrameSequence(self.connection, self.connection.ask(SequenceStatus, request.with_json(fields)))
+
+    def sequence(self, id: str) -> FrameSequence:
+        """A sequence that is there."""
+        if not id.startswith("seq-") or not id.removeprefix("seq-").isalnum():
+            raise found_here("bad-address", f"\"{id}\" is not a sequence's id", "take one that sequences() lists")
+        return FrameSequence(self.connection, self._get(SequenceStatus, f"/v1/sequences/{id}"))
+
+    def sequences(self) -> list[FrameSequence]:
+        """Sequences, oldest first."""
+        found = self._get(SequenceList, "/v1/sequences")
+        return [FrameSequence(self.connection, known) for known in found.sequences]
 
     def validate(self, scene: Scene, **options: Unpack[JobOptions]) -> Validation:
         """Tells what would become of a job, or what is wrong with it. No job is made; a path is uploaded."""

@@ -15,6 +15,7 @@ import { firstListed, openNeighbour, showList, startList } from './page/jobs/lis
 import { learnWhoIAm, showProvider, startLogin } from './page/login.js';
 import { showPaths, startPaths } from './page/paths/paths_panel.js';
 import { choose, chosenJob, hear, store, subscribe } from './page/store.js';
+import { leaveSequences, showSequences } from './page/sequences/sequences.js';
 import { startSubmit } from './page/submit/submit.js';
 import { changeComparison, changeLayer, showPicture, startViewer, viewer } from './page/viewer/viewer.js';
 import { listOthers, startComparison } from './page/viewer/comparison.js';
@@ -24,7 +25,7 @@ import { followKeys, showKeys } from './page/viewer/keys.js';
 import { showRegion, startRegion } from './page/viewer/region.js';
 import { noteWorkers, showWorkers, summary } from './page/workers/workers.js';
 
-const VIEWS = ['jobs', 'submit', 'workers'];
+const VIEWS = ['jobs', 'sequences', 'submit', 'workers'];
 // From this width on there is room for a job beside the list, so one is shown.
 const WIDE = matchMedia('(min-width: 900px)');
 
@@ -35,7 +36,7 @@ let nextOther = null;
 let panel = 'panel-look';
 let journal = '';
 
-// "#/jobs/ID", "#/submit", "#/workers".
+// "#/jobs/ID", "#/sequences", "#/submit", "#/workers".
 function readRoute() {
   const [view, job] = location.hash.replace(/^#\/?/, '').split('/');
   const before = route.view;
@@ -49,6 +50,12 @@ function readRoute() {
 const openJob = id => {
   location.hash = `#/jobs/${id}`;
 };
+
+// Shows what was submitted: a job, or among others a sequence.
+function openMade({ id, frames }) {
+  if (frames) location.hash = '#/sequences';
+  else openJob(id);
+}
 
 // What is told of a job that is shown under another's id would be wrong, so all of it follows from the store at once.
 function show() {
@@ -65,6 +72,8 @@ function show() {
   setText(element('farm'), isOut || connection.state === 'connecting' ? '' : summary(workers));
   if (route.view === 'workers') showWorkers(workers);
   if (route.view === 'jobs') showJobs(jobs);
+  if (route.view === 'sequences' && !isOut) showSequences(jobs);
+  else leaveSequences();
 }
 
 function showConnection({ state, since }) {
@@ -130,7 +139,7 @@ function openComparison(job, beside) {
 async function start() {
   startList(openJob);
   startActions(openJob);
-  startSubmit(openJob);
+  startSubmit(openMade);
   startViewer();
   startControls(changeLayer);
   startComparison({ compareWith, change: changeComparison, current: () => viewer });

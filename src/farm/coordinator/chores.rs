@@ -2,7 +2,7 @@
 
 use tokio::sync::oneshot;
 
-use crate::farm::ids::JobId;
+use crate::farm::ids::{JobId, SequenceId};
 use crate::farm::job::JobState;
 use crate::farm::rules::Rollback;
 use crate::farm::store::journal::JournalRow;
@@ -17,6 +17,10 @@ pub(super) enum Chore {
     Finish(JobId),
     /// A job goes back to what can be trusted.
     RollBack(Rollback),
+    /// A sequence's record.
+    Sequence(SequenceId),
+    /// No record of a sequence stays.
+    ForgetSequence(SequenceId),
     /// Lines of the journal.
     Journal(Vec<JournalRow>),
     /// What webhooks are told of a job.

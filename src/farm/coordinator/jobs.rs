@@ -125,7 +125,7 @@ impl Shared {
     }
 
     /// The id of the next job, if one is taken at all, and the time since 1970.
-    fn next_id(&self) -> Result<(JobId, Duration), FarmError> {
+    pub(super) fn next_id(&self) -> Result<(JobId, Duration), FarmError> {
         let mut state = self.lock();
         self.check_room(&state)?;
         let unix = self.clock.unix(self.clock.now());
@@ -212,7 +212,7 @@ impl Shared {
 }
 
 /// By what a request is known again.
-fn fingerprint(request: &JobRequest) -> String {
+pub(super) fn fingerprint(request: &impl serde::Serialize) -> String {
     // Plain data with string keys always has a JSON form.
     blake3::hash(&serde_json::to_vec(request).unwrap_or_default()).to_hex().to_string()
 }

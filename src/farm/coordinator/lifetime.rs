@@ -10,6 +10,7 @@ use tokio_util::sync::CancellationToken;
 use super::announcing::keep_announcing;
 use super::chores::Chore;
 use super::clock::Clock;
+use super::frames::keep_making_frames;
 use super::keeper::keep;
 use super::options::CoordinatorOptions;
 use super::shared::Shared;
@@ -44,9 +45,11 @@ impl Shared {
         shared.take_over_scenes().await?;
         let rows = shared.store.job_rows().await?;
         shared.take_over(rows).await?;
+        shared.take_over_sequences().await?;
         tokio::spawn(keep(Arc::downgrade(&shared), waiting));
         tokio::spawn(keep_time(Arc::downgrade(&shared), shared.stopped.clone()));
         tokio::spawn(keep_leading(Arc::downgrade(&shared), shared.stopped.clone()));
+        tokio::spawn(keep_making_frames(Arc::downgrade(&shared), shared.stopped.clone()));
         tokio::spawn(keep_announcing(Arc::downgrade(&shared), shared.stopped.clone()));
         Ok(shared)
     }

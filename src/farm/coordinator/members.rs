@@ -10,7 +10,7 @@ use crate::farm::access::secret::Secret;
 use crate::farm::access::token::Token;
 use crate::farm::access::user::{BadUserName, User, UserName};
 use crate::farm::error::FarmError;
-use crate::farm::ids::{JobId, WorkerId};
+use crate::farm::ids::{JobId, SequenceId, WorkerId};
 use crate::farm::locks::lock;
 use crate::farm::store::{Store, StoreError};
 
@@ -41,6 +41,12 @@ impl CoordinatorHandle {
     pub fn check_owner(&self, caller: &Caller, id: JobId) -> Result<(), FarmError> {
         let owner = self.shared.job(id)?.owner();
         Ok(caller.require_owner(owner.as_ref(), || format!("job {id}"))?)
+    }
+
+    /// Lets pass whoever may change a sequence.
+    pub fn check_sequence_owner(&self, caller: &Caller, id: SequenceId) -> Result<(), FarmError> {
+        let owner = self.sequence(id)?.owner;
+        Ok(caller.require_owner(owner.as_ref(), || format!("sequence {id}"))?)
     }
 
     /// Lets pass whoever may delete a scene.

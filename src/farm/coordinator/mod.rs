@@ -9,6 +9,7 @@
 //! | `lifetime` | how it starts, lets time pass, and stops |
 //! | `shared` | events go in, effects are carried out |
 //! | `scenes`, `jobs`, `control` | what users ask for, one `turn` after the other |
+//! | `sequences`, `frames` | many frames of one scene: what users ask for, and how frames become jobs |
 //! | [`members`], [`tokens`] | who they are, and what they may do |
 //! | `results`, `workers` | what workers deliver, and how they are sent away |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
@@ -28,6 +29,7 @@ mod control;
 mod counters;
 mod denoising;
 mod feed;
+mod frames;
 mod jobs;
 mod keeper;
 mod layers;
@@ -45,6 +47,8 @@ mod results;
 mod scene_record;
 mod scenes;
 mod seen_first;
+mod sequence_record;
+mod sequences;
 mod shared;
 mod status;
 pub mod tokens;
@@ -162,7 +166,12 @@ impl CoordinatorHandle {
         self.shared.scene_bytes(hash).await
     }
 
-    /// A scene's bytes with `changes` packed beside it.
+    /// The bytes of an uploaded scene as `changes` make it: the changes, and which scene it is.
+    pub async fn changed_scene(&self, hash: &str, changes: SceneChanges) -> Result<Vec<u8>, FarmError> {
+        self.shared.changed_scene(hash, changes).await
+    }
+
+    /// A whole scene's bytes with `changes` packed beside it.
     ///
     /// # Errors
     /// When the bytes are no scene.

@@ -50,6 +50,9 @@ pub struct SceneLayout {
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneRecord {
     pub(super) summary: SceneSummary,
+    /// Hash of the scene that it is with changes, if it is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) base: Option<String>,
     pub(super) traits: SceneTraits,
     pub(super) integrator: Option<Integrator>,
     /// For the headers of its pictures. Records of earlier versions have none.

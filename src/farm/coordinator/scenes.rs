@@ -12,8 +12,10 @@ use super::quotas::OwnUpload;
 use super::scene_record::{SceneLayout, SceneRecord, SceneSummary};
 use super::shared::Shared;
 use crate::farm::access::user::UserName;
+use crate::farm::changed_scene::ChangedScene;
 use crate::farm::error::FarmError;
-use crate::farm::prepared_scenes::prepare_scene;
+use crate::farm::job::SceneChanges;
+use crate::farm::prepared_scenes::prepare_changed_scene;
 use crate::farm::rules::Event;
 use crate::farm::store::blobs::Uploaded;
 use crate::farm::store::scenes::SceneRow;
@@ -112,7 +114,11 @@ impl Shared {
             uploaded.discard().await?;
             return Ok(known.summary.clone());
         }
-        if let Err(problem) = self.check_user_scenes(owner.as_ref(), uploaded.bytes) {
+        let is_allowed = self.check_user_scenes(owner.as_ref(), uploaded.bytes);
+        // Somebody may have deleted the scene that this one changes.
+        if let Err(problem) =
+            is_allowed.and_then(|()| record.base.as_deref().map_or(Ok(()), |base| self.scene(base).map(drop)))
+        {
             uploaded.discard().await?;
             return Err(problem);
         }
@@ -134,11 +140,9 @@ impl Shared {
     /// Prepares a scene, so that nobody else in this process has to, and says what it is.
     async fn check_scene(&self, uploaded: &Uploaded, owner: Option<UserName>) -> Result<SceneRecord, FarmError> {
         let hash = uploaded.hash.clone();
-        let prepare = async {
-            let bytes = uploaded.read().await?;
-            blocking(move || Ok(Arc::new(prepare_scene(&bytes)?))).await
-        };
-        let scene = self.options.scenes.get_or_prepare(&hash, prepare).await?;
+        let bytes = uploaded.read().await?;
+        let base = self.changes_of(&hash, &bytes)?.map(|changed| changed.base);
+        let scene = self.prepared(&hash, async { Ok(bytes) }).await?;
         let (found, limit) = (u64::from(scene.width) * u64::from(scene.height), self.options.limits.pixels);
         if found > limit {
             return Err(FarmError::TooLarge { what: "the picture's size in pixels", found, limit });
@@ -156,7 +160,7 @@ impl Shared {
         let (integrator, traits) = (scene.integrator.clone(), SceneTraits::of(&scene));
         let uploaded = AtomicI64::new(self.clock.unix_milliseconds());
         let camera = scene.camera.matrices(&scene.film);
-        Ok(SceneRecord { summary, integrator, traits, camera, uploaded })
+        Ok(SceneRecord { summary, base, integrator, traits, camera, uploaded })
     }
 
     /// Whether a scene can take parameters of the job's method that name places in it; its `bytes` are asked for only then.
@@ -195,9 +199,44 @@ impl Shared {
     ) -> Result<Arc<Scene>, FarmError> {
         let prepare = async {
             let bytes = bytes.await?;
-            blocking(move || Ok(Arc::new(prepare_scene(&bytes)?))).await
+            let (bytes, changes) = match self.changes_of(hash, &bytes)? {
+                Some(ChangedScene { base, changes }) => (self.scene_bytes(&base).await?, changes),
+                None => (bytes, SceneChanges::default()),
+            };
+            blocking(move || Ok(Arc::new(prepare_changed_scene(&bytes, &changes)?))).await
         };
         self.options.scenes.get_or_prepare(hash, prepare).await
+    }
+
+    /// The bytes of the scene with this hash, or of the one that it changes.
+    pub(super) async fn whole_scene_bytes(&self, hash: &str) -> Result<Bytes, FarmError> {
+        let bytes = self.scene_bytes(hash).await?;
+        match self.changes_of(hash, &bytes)? {
+            Some(changed) => self.scene_bytes(&changed.base).await,
+            None => Ok(bytes),
+        }
+    }
+
+    /// Which scene with which changes these bytes are, if they are no whole scene.
+    fn changes_of(&self, hash: &str, bytes: &[u8]) -> Result<Option<ChangedScene>, FarmError> {
+        let damaged = |problem| StoreError::BadRecord { what: format!("scene {hash}"), problem };
+        let changed = ChangedScene::decode(bytes).map_err(|problem| damaged(problem.to_string()))?;
+        match changed {
+            Some(changed) if self.scene(&changed.base)?.base.is_some() => {
+                Err(damaged("it changes a scene that is a changed one itself".to_owned()).into())
+            }
+            changed => Ok(changed),
+        }
+    }
+
+    /// The bytes of the scene with this hash as `changes` make it.
+    pub(super) async fn changed_scene(&self, hash: &str, changes: SceneChanges) -> Result<Vec<u8>, FarmError> {
+        let whole = ChangedScene { base: hash.to_owned(), changes: SceneChanges::default() };
+        let known = match self.scene(hash)?.base {
+            Some(_) => self.changes_of(hash, &self.scene_bytes(hash).await?)?.unwrap_or(whole),
+            None => whole,
+        };
+        Ok(ChangedScene { base: known.base, changes: changes.over(known.changes) }.encode())
     }
 
     /// Takes the scenes of the store over.
@@ -216,6 +255,12 @@ impl Shared {
 
     pub(super) async fn delete_scene(&self, hash: &str) -> Result<(), FarmError> {
         let _turn = self.catalogue.take().await?;
+        if let Some(sequence) = self.sequences_to_make().into_iter().find(|sequence| sequence.scene == hash) {
+            return Err(FarmError::Conflict {
+                problem: format!("scene {hash} is the scene of sequence {}, of which frames are missing", sequence.id),
+                remedy: "delete the sequence first".to_owned(),
+            });
+        }
         {
             let state = self.lock();
             if !state.scenes.contains_key(hash) {
@@ -225,6 +270,12 @@ impl Shared {
                 return Err(FarmError::Conflict {
                     problem: format!("scene {hash} is the scene of job {}", job.id),
                     remedy: "delete the job first".to_owned(),
+                });
+            }
+            if let Some((changed, _)) = state.scenes.iter().find(|(_, scene)| scene.base.as_deref() == Some(hash)) {
+                return Err(FarmError::Conflict {
+                    problem: format!("scene {changed} is scene {hash} with changes"),
+                    remedy: "delete that first".to_owned(),
                 });
             }
         }
@@ -241,9 +292,13 @@ impl Shared {
     /// Deletes the scenes that nobody uploaded since `before`, milliseconds since 1970, and that no job refers to.
     pub(super) async fn delete_old_scenes(&self, before: i64) -> Result<(), StoreError> {
         let Some(_turn) = self.catalogue.take_now() else { return Ok(()) };
+        let of_sequences = self.sequences_to_make().into_iter().map(|sequence| sequence.scene);
         let old: Vec<String> = {
             let state = self.lock();
-            let used: HashSet<String> = state.jobs.values().map(|job| job.description().scene).collect();
+            let of_jobs = state.jobs.values().map(|job| job.description().scene);
+            // These go the next time.
+            let of_changed = state.scenes.values().filter_map(|scene| scene.base.clone());
+            let used: HashSet<String> = of_jobs.chain(of_changed).chain(of_sequences).collect();
             let is_old = |scene: &SceneRecord| scene.uploaded.load(Ordering::Relaxed) < before;
             let old = state.scenes.iter().filter(|(hash, scene)| !used.contains(*hash) && is_old(scene));
             old.map(|(hash, _)| hash.clone()).collect()

@@ -17,6 +17,7 @@ use super::feed::Feed;
 use super::options::CoordinatorOptions;
 use super::scene_record::SceneRecord;
 use super::seen_first::SeenFirst;
+use super::sequence_record::SequenceRecord;
 use super::turn::Turn;
 use super::viewed::Viewed;
 use crate::estimate::picture_files::Mattes;
@@ -27,7 +28,7 @@ use crate::farm::access::user::UserName;
 use crate::farm::access::worker_secret::WorkerSecrets;
 use crate::farm::error::FarmError;
 use crate::farm::events::EVENTS;
-use crate::farm::ids::JobId;
+use crate::farm::ids::{JobId, SequenceId};
 use crate::farm::job::{Idempotency, JobRequest, JobStatus};
 use crate::farm::locks::lock;
 use crate::farm::merging::Merging;
@@ -61,6 +62,9 @@ pub(in crate::farm) struct Shared {
     pub(super) uploading: Mutex<BTreeMap<UserName, usize>>,
     /// Whoever adds or deletes scenes, or jobs that refer to them.
     pub(super) catalogue: Turn,
+    pub(super) sequences: Mutex<BTreeMap<SequenceId, Arc<SequenceRecord>>>,
+    /// Whoever submits one.
+    pub(super) sequencing: Turn,
     /// Whoever changes users or tokens.
     pub(super) members: Turn,
     /// Rises whenever a waiting worker should ask again.
@@ -212,6 +216,8 @@ impl Shared {
             uploads: Arc::new(Semaphore::new(options.limits.uploads)),
             uploading: Mutex::default(),
             catalogue: Turn::default(),
+            sequences: Mutex::default(),
+            sequencing: Turn::default(),
             options,
             clock,
             store,

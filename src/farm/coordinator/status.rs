@@ -120,6 +120,7 @@ impl JobFacts {
             waiting_for_memory: false,
             owner: owner.clone(),
             name: request.name.clone(),
+            frame: request.frame,
             tags: request.tags.clone(),
             priority: request.priority,
             submitted: *submitted,

@@ -100,6 +100,7 @@ impl Store {
             archive.write_all(bytes).map_err(|problem| failed(&problem))
         };
         add("jobs.jsonl", self.job_lines().await?.as_bytes())?;
+        add("sequences.jsonl", self.sequence_lines().await?.as_bytes())?;
         add("scenes.jsonl", self.scene_lines().await?.as_bytes())?;
         for name in self.named_blobs().await? {
             add(&format!("blobs/{name}"), &self.blobs.get(&name).await?)?;
@@ -124,6 +125,15 @@ impl Store {
             format!("{line}\n")
         };
         Ok(self.job_rows().await?.into_iter().map(line).collect())
+    }
+
+    async fn sequence_lines(&self) -> Result<String, StoreError> {
+        let line = |sequence: super::sequences::SequenceRow| {
+            let record: serde_json::Value = serde_json::from_str(&sequence.record).unwrap_or_default();
+            let line = json!({ "id": sequence.id, "created": sequence.created, "record": record });
+            format!("{line}\n")
+        };
+        Ok(self.sequence_rows().await?.into_iter().map(line).collect())
     }
 
     async fn scene_lines(&self) -> Result<String, StoreError> {

@@ -5,7 +5,7 @@
 //! | `location` | where it is |
 //! | `settings` | numbers that belong to the whole store |
 //! | `schema` | tables, and how older stores become newer ones |
-//! | [`jobs`], [`scenes`], [`members`], [`webhooks`], [`journal`] | records; durable when a call returns |
+//! | [`jobs`], [`sequences`], [`scenes`], [`members`], [`webhooks`], [`journal`] | records; durable when a call returns |
 //! | [`leadership`] | which coordinator may write, where several share a database |
 //! | [`blobs`] | scenes and snapshots: large, named by their hash, checked when read |
 //! | [`maintenance`] | check, export, clean up |
@@ -27,6 +27,7 @@ pub(crate) mod maintenance;
 pub(crate) mod members;
 pub mod scenes;
 mod schema;
+pub mod sequences;
 mod settings;
 pub(crate) mod webhooks;
 

@@ -8,7 +8,7 @@ use super::location::{RecordsLocation, sqlite_address};
 use super::settings::{EPOCH, meta, set_meta};
 
 /// Steps from no tables to the newest version; a released one never changes. Both databases understand them.
-const MIGRATIONS: &[&[&str]] = &[FARM, ACCESS, WEBHOOKS];
+const MIGRATIONS: &[&[&str]] = &[FARM, ACCESS, WEBHOOKS, SEQUENCES];
 
 const FARM: &[&str] = &[
     "CREATE TABLE scenes (hash TEXT PRIMARY KEY, bytes BIGINT NOT NULL, created BIGINT NOT NULL, record TEXT NOT NULL)",
@@ -38,6 +38,9 @@ const WEBHOOKS: &[&str] = &[
     "CREATE INDEX messages_by_time ON messages (due)",
     "CREATE INDEX messages_by_webhook ON messages (webhook)",
 ];
+
+const SEQUENCES: &[&str] =
+    &["CREATE TABLE sequences (id BIGINT PRIMARY KEY, created BIGINT NOT NULL, record TEXT NOT NULL)"];
 
 /// The newest version that this program knows.
 pub(super) const VERSION: i64 = MIGRATIONS.len() as i64;

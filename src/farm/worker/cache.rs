@@ -2,14 +2,17 @@
 
 use std::sync::{Arc, Mutex};
 
+use bytes::Bytes;
 use prost::Message;
 
 use super::client::{CallError, Client, TRANSFER_TIMEOUT};
 use super::pool::RenderPool;
 use crate::estimate::RadiusField;
+use crate::farm::changed_scene::ChangedScene;
 use crate::farm::ids::JobId;
+use crate::farm::job::SceneChanges;
 use crate::farm::locks::lock;
-use crate::farm::prepared_scenes::{PreparedScenes, prepare_scene};
+use crate::farm::prepared_scenes::{PreparedScenes, prepare_changed_scene};
 use crate::farm::wire::lease::{JobDescription, ShardTerms};
 use crate::farm::wire::{guides, messages, radius};
 use crate::method::CheckedMethod;
@@ -73,6 +76,22 @@ struct PilotKey {
     generation: u32,
 }
 
+/// A scene that others are with changes.
+#[derive(Clone)]
+struct Base {
+    hash: String,
+    bytes: Bytes,
+}
+
+/// The bytes of a scene, which are those that its hash names.
+async fn scene_bytes(client: &Client, pool: &RenderPool, hash: &str) -> Result<Bytes, PrepareError> {
+    let bytes = client.get(&format!("scenes/{hash}"), TRANSFER_TIMEOUT).await?;
+    let expected = hash.to_owned();
+    let check = move || if blake3::hash(&bytes).to_hex().as_str() == expected { Ok(bytes) } else { Err(expected) };
+    let checked = pool.run(check).await.map_err(PrepareError::Unusable)?;
+    checked.map_err(|hash| PrepareError::Unusable(format!("scene {hash} was damaged on its way")))
+}
+
 /// The caches of one session.
 pub(super) struct Cache {
     scenes: PreparedScenes,
@@ -80,13 +99,14 @@ pub(super) struct Cache {
     /// Renderers of passes, whose photons start as the pilot found.
     guided: Mutex<Recent<PilotKey, Arc<Renderer>>>,
     fields: Mutex<Recent<FieldKey, Arc<RadiusField>>>,
+    base: Mutex<Option<Base>>,
 }
 
 impl Cache {
     /// Empty caches beside the process's scenes.
     pub(super) fn new(scenes: PreparedScenes) -> Self {
         let (renderers, guided) = (Mutex::new(Recent::new(RENDERERS)), Mutex::new(Recent::new(RENDERERS)));
-        Self { scenes, renderers, guided, fields: Mutex::new(Recent::new(FIELDS)) }
+        Self { scenes, renderers, guided, fields: Mutex::new(Recent::new(FIELDS)), base: Mutex::default() }
     }
 
     /// The job's renderer.
@@ -153,18 +173,29 @@ impl Cache {
         hash: &str,
     ) -> Result<Arc<Scene>, PrepareError> {
         let prepare = async {
-            let bytes = client.get(&format!("scenes/{hash}"), TRANSFER_TIMEOUT).await?;
-            let expected = hash.to_owned();
-            let prepare = move || {
-                if blake3::hash(&bytes).to_hex().as_str() != expected {
-                    return Err(format!("scene {expected} was damaged on its way"));
-                }
-                prepare_scene(&bytes).map_err(|problem| problem.to_string())
+            let bytes = scene_bytes(client, pool, hash).await?;
+            let changed =
+                ChangedScene::decode(&bytes).map_err(|problem| PrepareError::Unusable(problem.to_string()))?;
+            let (bytes, changes) = match changed {
+                Some(ChangedScene { base, changes }) => (self.base_bytes(client, pool, &base).await?, changes),
+                None => (bytes, SceneChanges::default()),
             };
+            let prepare = move || prepare_changed_scene(&bytes, &changes).map_err(|problem| problem.to_string());
             let scene = pool.run(prepare).await.and_then(|scene| scene).map_err(PrepareError::Unusable)?;
             Ok(Arc::new(scene))
         };
         self.scenes.get_or_prepare(hash, prepare).await
+    }
+
+    /// The bytes of a scene that others are with changes. The last one's are kept: the frames of a sequence ask for them one after the other.
+    async fn base_bytes(&self, client: &Client, pool: &RenderPool, hash: &str) -> Result<Bytes, PrepareError> {
+        let known = lock(&self.base).clone().filter(|known| known.hash == hash);
+        if let Some(known) = known {
+            return Ok(known.bytes);
+        }
+        let bytes = scene_bytes(client, pool, hash).await?;
+        *lock(&self.base) = Some(Base { hash: hash.to_owned(), bytes: bytes.clone() });
+        Ok(bytes)
     }
 
     /// The radius field with which a shard is traced. Methods that gather nothing need none, and none is fetched.

@@ -31,6 +31,12 @@ class Acceptance(BaseModel):
     """
 
 
+AtOnce = TypeAliasType("AtOnce", Annotated[int, Field(ge=1, le=100)])
+"""
+How many frames of a sequence are jobs that have not ended, 1 to 100 and 2 by default.
+"""
+
+
 class Cut(BaseModel):
     """
     How finely a job is cut into shards. What is not given follows the cost of the picture. The cut is part of what decides a picture's bits, so it
@@ -92,6 +98,68 @@ class EstimatedError(BaseModel):
     relmse: float
     """
     The estimate: noise and bias together.
+    """
+
+
+class FrameOfSequence(BaseModel):
+    """
+    Which frame of which sequence a job is.
+    """
+
+    model_config = ConfigDict(
+        extra='forbid',
+    )
+    number: Annotated[int, Field(ge=0)]
+    """
+    The frame's number.
+    """
+    sequence: str
+    """
+    The sequence.
+    """
+
+
+FrameSeeds = TypeAliasType("FrameSeeds", Literal['own', 'same'])
+"""
+Random numbers of the frames of a sequence.
+"""
+
+
+WholeItem = TypeAliasType("WholeItem", Annotated[int, Field(ge=0)])
+
+
+class Frames(BaseModel):
+    """
+    Which pictures a sequence has, and what each shows.
+    """
+
+    model_config = ConfigDict(
+        extra='forbid',
+    )
+    camera_path: list[str] | None = None
+    """
+    Cameras by name or index: the camera goes straight from one to the next, each way in the same time. Two or more, or none.
+    """
+    first: Annotated[int, Field(ge=0)]
+    """
+    Number of the first frame.
+    """
+    last: Annotated[int, Field(ge=0)]
+    """
+    Number of the last frame; there are at most 100,000.
+    """
+    seeds: FrameSeeds | None = None
+    """
+    Whether each frame has random numbers of its own, `own` by default, or all have the `same`.
+    """
+    times: list[float] | None = None
+    """
+    Moments that the first and the last frame of the whole sequence show, in the scene's own unit of time; when things begin and cease to move
+    by default.
+    """
+    whole: list[WholeItem] | None = None
+    """
+    Numbers of the first and the last frame of the whole sequence, where these frames are a part of it; `first` and `last` by default.
     """
 
 
@@ -472,6 +540,12 @@ What a token allows. Each but `worker` includes those before it.
 """
 
 
+SequenceState = TypeAliasType("SequenceState", Literal['running', 'paused', 'done', 'failed', 'cancelled'])
+"""
+What a sequence is doing.
+"""
+
+
 class StopRule(BaseModel):
     """
     When a job is done: by passes, by seconds, by its error, or by whichever comes first. All empty: the method's `passes`.
@@ -717,6 +791,33 @@ class CloneRequest(BaseModel):
     """
 
 
+class FrameJob(BaseModel):
+    """
+    A frame that is a job.
+    """
+
+    frame: Annotated[int, Field(ge=0)]
+    """
+    The frame's number.
+    """
+    job: str
+    """
+    The job's id.
+    """
+    passes_done: Annotated[int, Field(ge=0)]
+    """
+    Passes merged into its picture.
+    """
+    passes_total: Annotated[int | None, Field(ge=0)] = None
+    """
+    Passes at which it stops; empty when these do not count.
+    """
+    state: JobState
+    """
+    What it is doing.
+    """
+
+
 class History(BaseModel):
     """
     How a job's error fell.
@@ -765,6 +866,7 @@ class JobStatus(BaseModel):
     Why it failed.
     """
     estimated_error: EstimatedError | None = None
+    frame: FrameOfSequence | None = None
     height: Annotated[int, Field(ge=0)]
     """
     Picture height, pixels.
@@ -1195,6 +1297,104 @@ class SceneView(SceneSummary):
     """
 
 
+class SequenceStatus(BaseModel):
+    """
+    How a sequence is doing.
+    """
+
+    at_once: AtOnce
+    """
+    How many are rendered at once.
+    """
+    error: str | None = None
+    """
+    Why it failed.
+    """
+    frames: Frames
+    """
+    Which frames.
+    """
+    frames_done: Annotated[int, Field(ge=0)]
+    """
+    Frames that are done.
+    """
+    frames_failed: Annotated[int, Field(ge=0)]
+    """
+    Frames that failed.
+    """
+    frames_total: Annotated[int, Field(ge=0)]
+    """
+    How many frames there are.
+    """
+    id: str
+    """
+    The sequence's id.
+    """
+    jobs: list[FrameJob]
+    """
+    The frames that are jobs by now, in order. Those of deleted jobs are missing.
+    """
+    name: str | None = None
+    """
+    What people call it. Its jobs are called so with the frame's number behind it, as `lamp.0001`.
+    """
+    owner: UserName | None = None
+    priority: Priority
+    """
+    The share of the farm that each frame has which is rendered.
+    """
+    progress: float
+    """
+    How much of all is done, 0 to 1, parts of frames included.
+    """
+    scene: str
+    """
+    Hash of the scene that each frame changes.
+    """
+    seconds_left: float | None = None
+    """
+    Estimated seconds left; empty while no frame is done, and when none is left.
+    """
+    state: SequenceState
+    """
+    What it is doing.
+    """
+    stop: StopRule
+    """
+    When each frame is done; empty for the method's own passes.
+    """
+    submitted: Annotated[int, Field(ge=0)]
+    """
+    When it was submitted, seconds since 1970.
+    """
+    tags: list[str]
+    """
+    Words to find it by; its jobs have them, too.
+    """
+
+
+class SequenceSubmission(BaseModel):
+    """
+    A sequence to be rendered: many pictures of one scene in which things move, or of which the camera goes along a path.
+    """
+
+    model_config = ConfigDict(
+        extra='forbid',
+    )
+    at_once: AtOnce | None = None
+    """
+    How many frames are rendered at the same time, 1 to 100 and 2 by default: while one ends, the next one keeps the workers busy.
+    """
+    frames: Frames
+    """
+    Which frames.
+    """
+    job: JobSubmission
+    """
+    What all frames have in common. Each is a job of its own, with its number behind the job's name.
+    """
+
+
 class TokenRequest(BaseModel):
     """
     A token to be made.
@@ -1346,6 +1546,17 @@ class SceneList(BaseModel):
     scenes: list[SceneView]
     """
     By hash.
+    """
+
+
+class SequenceList(BaseModel):
+    """
+    Sequences that there are.
+    """
+
+    sequences: list[SequenceStatus]
+    """
+    Oldest first. Their frames are left out; ask for one sequence, or for its jobs.
     """
 
 

@@ -27,6 +27,7 @@ function general(job) {
     ['submitted', date(job.submitted * 1000)],
     ['owner', job.owner],
     ['tags', job.tags.join(', ')],
+    ['frame', job.frame && `${job.frame.number} of ${job.frame.sequence}`],
     ['priority', job.priority],
     ['size', `${job.width} × ${job.height}`],
     ['scene', job.scene.slice(0, 16)],

@@ -4,9 +4,9 @@ import { hasEnded, nameOf, share } from './progress.js';
 
 const GROUPS = { all: () => true, live: job => !hasEnded(job), ended: hasEnded };
 
-// Every word has to stand in the id, name, method, owner or a tag.
+// Every word has to stand in the id, name, method, owner, sequence or a tag.
 function hasWords(job, words) {
-  const text = [job.id, job.name, job.method, job.owner, ...job.tags].join('\n').toLowerCase();
+  const text = [job.id, job.name, job.method, job.owner, job.frame?.sequence, ...job.tags].join('\n').toLowerCase();
   return words.every(word => text.includes(word));
 }
 

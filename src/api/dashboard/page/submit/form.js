@@ -6,6 +6,7 @@ import { factsTable, noticeList } from '../elements/lists.js';
 import { count } from '../elements/numbers.js';
 import { problemNote } from '../elements/problem_note.js';
 import { methodFields } from './method_fields.js';
+import { readSequence, sequenceFields } from './sequence_fields.js';
 import { readStop, stopFields } from './stop_fields.js';
 import { readTags } from './tags.js';
 
@@ -13,21 +14,22 @@ const form = element('submit-form');
 
 export const hideForm = () => setHidden(form, true);
 
-// `done` is called with the job once it is submitted.
+// `done` is called with the job or the sequence once it is submitted.
 export async function showForm(scene, fileName, done) {
   const method = await methodFields('', { ofScene: `as the scene says (${scene.integrator ?? 'sppm'})` });
-  const stop = stopFields();
+  const [stop, sequence] = [stopFields(), sequenceFields()];
   const answer = make('div', { id: 'check-answer', 'aria-live': 'polite' });
   const check = make('button', { type: 'button', id: 'check' }, 'Check');
   const submit = make('button', { className: 'primary', id: 'submit' }, 'Submit');
   const buttons = make('p', { className: 'buttons' }, check, submit);
-  form.replaceChildren(labelFields(fileName), method.fields, stop, sceneFields(scene), ...lightGroupsField(scene), answer, buttons);
+  form.replaceChildren(labelFields(fileName), method.fields, stop, sceneFields(scene), sequence, ...lightGroupsField(scene), answer, buttons);
   const request = () => readForm(scene, method, stop);
   check.onclick = () => form.reportValidity() && run(answer, check, async () => checked(await post('/v1/jobs/validate', request())));
   form.onsubmit = event => {
     event.preventDefault();
     run(answer, submit, async () => {
-      done(await send(request()));
+      const job = request();
+      done(await send(readSequence(sequence, job) ?? job));
       hideForm();
       return [];
     });
@@ -92,10 +94,11 @@ function readForm(scene, method, stop) {
 
 const forgetKey = () => delete form.dataset.key;
 
-// The same key again makes no second job, should the answer get lost.
-function send(job) {
+// The same key again makes no second job or sequence, should the answer get lost.
+function send(request) {
   form.dataset.key ??= `page-${Date.now()}-${Math.random().toString(36).slice(2)}`;
-  return ask('/v1/jobs', { method: 'POST', body: job, headers: { 'Idempotency-Key': form.dataset.key } });
+  const address = request.frames ? '/v1/sequences' : '/v1/jobs';
+  return ask(address, { method: 'POST', body: request, headers: { 'Idempotency-Key': form.dataset.key } });
 }
 
 // What would become of the job.

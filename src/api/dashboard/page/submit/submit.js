@@ -11,9 +11,9 @@ import { upload } from './upload.js';
 
 let open = () => {};
 
-// `openJob` is called with the id of a new job.
-export function startSubmit(openJob) {
-  open = openJob;
+// `openMade` is called with a new job or sequence.
+export function startSubmit(openMade) {
+  open = openMade;
   const endings = FORMATS.map(format => `.${format}`);
   setText(element('formats'), endings.filter(ending => ending !== '.zip').join(', '));
   element('scene-file').accept = endings.join();
@@ -60,9 +60,9 @@ async function send(files, scene) {
     const known = await uploaded(files, scene);
     const told = `${name}: ${known.width} × ${known.height} pixels, ${count(files.length, 'file')}.`;
     tell(make('p', {}, told), noticeList(known.notices));
-    await showForm(known, name, job => {
+    await showForm(known, name, made => {
       tell();
-      open(job.id);
+      open(made);
     });
   } catch (problem) {
     const isAlone = files.length === 1 && !name.endsWith('.zip');
