@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 pub(super) use picture::Fetched;
 
 use super::exit_code::CliError;
+use super::frames::is_sequence;
 use super::token_option::TokenOption;
 use super::trust_options::TrustOptions;
 use crate::api::job_control::{CloneRequest, JobPatch};
@@ -337,6 +338,11 @@ fn authorization(token: Option<&Secret>) -> Result<HeaderMap, CliError> {
 
 /// The address of a job.
 fn job_path(id: &str, rest: &str) -> Result<String, CliError> {
+    if is_sequence(id) {
+        let text =
+            format!("{id} is a sequence, and a job is meant; `photonfarm jobs --sequence {id}` lists its frames");
+        return Err(CliError::Usage(text));
+    }
     Ok(format!("/v1/jobs/{}{rest}", checked_name(id, "a job's id; `photonfarm jobs`")?))
 }
 

@@ -44,6 +44,7 @@ impl Fetch {
 
     async fn fetch_frames(&self, client: &Client) -> Result<(), CliError> {
         let sequence = client.sequence(&self.id).await?;
+        self.preview.check_apart(&self.output.outputs, sequence.jobs.iter().map(|frame| frame.frame))?;
         let (mut preview, mut written) = (Vec::new(), 0);
         for frame in &sequence.jobs {
             let job = client.job(&frame.job).await?;
@@ -57,7 +58,7 @@ impl Fetch {
             return Err(CliError::Failed(text));
         }
         if written < sequence.frames_total {
-            terminal::note(&format!("{written} of {} frames have a picture yet", sequence.frames_total));
+            terminal::note(&format!("only {written} of {} frames have a picture so far", sequence.frames_total));
         }
         self.preview.write(&preview)
     }

@@ -78,8 +78,10 @@ pub(super) fn is_sequence(id: &str) -> bool {
 fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     let (first, last) = text.split_once('-').unwrap_or((text, text));
     match (first.trim().parse::<u32>(), last.trim().parse::<u32>()) {
-        (Ok(first), Ok(last)) if first <= last && last - first < MOST_FRAMES => Ok(first..=last),
-        _ => Err(format!("write the first and the last frame, as 1-48, at most {MOST_FRAMES} frames")),
+        (Ok(first), Ok(last)) if first > last => Err(format!("{first} is after {last}; write the first frame first")),
+        (Ok(first), Ok(last)) if last - first >= MOST_FRAMES => Err(format!("write at most {MOST_FRAMES} frames")),
+        (Ok(first), Ok(last)) => Ok(first..=last),
+        _ => Err("write the first and the last frame, as 1-48".to_owned()),
     }
 }
 

@@ -11,7 +11,7 @@ use super::terminal;
 /// A job of a coordinator.
 #[derive(Clone, Debug, Args)]
 pub(super) struct OneJob {
-    /// The job's id; of what may be done to all frames of a sequence at once (cancel, pause, resume) also a sequence's.
+    /// The id of the job; cancel, pause and resume take that of a sequence, too.
     pub(super) id: String,
     /// Print the job's status afterwards as JSON.
     #[arg(long)]

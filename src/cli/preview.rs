@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::exit_code::CliError;
+use super::frames::file_of_frame;
 use super::terminal;
 use crate::estimate::picture_files::{check_writable, encode_animated_png, write_file};
 
@@ -32,6 +33,23 @@ impl PreviewOptions {
             return Err(CliError::Usage(format!("--preview \"{}\" is no PNG; end its name in .png", file.display())));
         }
         Ok(check_writable(file)?)
+    }
+
+    /// Refuses a preview in the place of a frame.
+    pub(super) fn check_apart(
+        &self,
+        outputs: &[PathBuf],
+        mut numbers: impl Iterator<Item = u32>,
+    ) -> Result<(), CliError> {
+        let Some(file) = &self.preview else { return Ok(()) };
+        let is_frame = |number: u32| outputs.iter().any(|output| file_of_frame(output, number) == *file);
+        match numbers.find(|number| is_frame(*number)) {
+            Some(number) => {
+                let text = format!("--preview {} is the file of frame {number}; give another one", file.display());
+                Err(CliError::Usage(text))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Whether there is to be one.

@@ -67,6 +67,8 @@ impl Progress {
         let left = status.seconds_left.map(|left| format!(", {left:.0} s left")).unwrap_or_default();
         let text = format!("{frames_done} of {frames_total} frames, {:.0} %{left}", 100.0 * progress);
         let paused = if status.state == SequenceState::Paused { ", paused" } else { "" };
+        let waiting = status.waiting.as_ref().map(|reason| format!(", waiting: {reason}")).unwrap_or_default();
+        let text = text + &waiting;
         if let Some(bar) = &self.bar {
             bar.set_position((progress * STEPS as f64) as u64);
             return bar.set_message(text + paused);

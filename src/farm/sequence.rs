@@ -12,6 +12,11 @@ const DIGITS: usize = 4;
 /// The most frames of a sequence.
 pub const MOST_FRAMES: u32 = 100_000;
 
+/// The most cameras on a path.
+const MOST_CAMERAS: usize = 1000;
+/// The most bytes of a camera's name there.
+const LONGEST_NAME: usize = 1000;
+
 /// Random numbers of the frames of a sequence.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
@@ -73,8 +78,16 @@ pub struct Frame {
 /// Frames that cannot be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadFrames {
-    /// None, or too many.
-    #[error("frames {first} to {last} are none, or more than {MOST_FRAMES}")]
+    /// There is none.
+    #[error("the last frame, {last}, is before the first one, {first}")]
+    Order {
+        /// The first one.
+        first: u32,
+        /// The last one.
+        last: u32,
+    },
+    /// There are too many.
+    #[error("frames {first} to {last} are more than {MOST_FRAMES}")]
     Count {
         /// The first one.
         first: u32,
@@ -92,11 +105,16 @@ pub enum BadFrames {
         whole: [u32; 2],
     },
     /// A moment that is no number.
-    #[error("the moments of the first and the last frame are no numbers")]
+    #[error("the moments of the first and the last frame are no numbers, or too far apart")]
     Moments,
     /// The picture of one moment, and a sequence of them.
     #[error("a sequence shows many moments, and one is given")]
     OneMoment,
+    /// More cameras, or longer names, than are kept.
+    #[error(
+        "the camera's path has more than {MOST_CAMERAS} cameras, or one whose name has more than {LONGEST_NAME} bytes"
+    )]
+    LongPath,
     /// No way has one end.
     #[error("the camera's path has one camera")]
     OneCamera,
@@ -112,10 +130,12 @@ impl BadFrames {
     /// What the user can do.
     pub const fn remedy(&self) -> &'static str {
         match self {
-            Self::Count { .. } => "give the first and the last one",
+            Self::Order { .. } => "give the first one first",
+            Self::Count { .. } => "give fewer",
             Self::Outside { .. } => "give a part of it",
-            Self::Moments => "give two",
+            Self::Moments => "give two that are closer",
             Self::OneMoment => "give those of its first and its last frame",
+            Self::LongPath => "give fewer cameras, or their indices",
             Self::OneCamera => "give two or more, or choose a camera",
             Self::TwoCameras => "give one of them",
             Self::Still => "give key frames, or a camera's path",
@@ -130,13 +150,16 @@ impl Frames {
     /// Whatever is wrong, but [`BadFrames::Still`].
     pub fn check(&self, changes: &SceneChanges) -> Result<(), BadFrames> {
         let (first, last, whole) = (self.first, self.last, self.whole());
-        if first > last || last - first >= MOST_FRAMES {
+        if first > last {
+            return Err(BadFrames::Order { first, last });
+        }
+        if last - first >= MOST_FRAMES {
             return Err(BadFrames::Count { first, last });
         }
         if first < whole[0] || last > whole[1] {
             return Err(BadFrames::Outside { first, last, whole });
         }
-        if self.times.is_some_and(|times| !times.iter().all(|moment| moment.is_finite())) {
+        if self.times.is_some_and(|[start, end]| !start.is_finite() || !(end - start).is_finite()) {
             return Err(BadFrames::Moments);
         }
         if changes.time.is_some() {
@@ -144,6 +167,9 @@ impl Frames {
         }
         if self.camera_path.len() == 1 {
             return Err(BadFrames::OneCamera);
+        }
+        if self.camera_path.len() > MOST_CAMERAS || self.camera_path.iter().any(|name| name.len() > LONGEST_NAME) {
+            return Err(BadFrames::LongPath);
         }
         let has_camera = changes.camera.is_some() || changes.between_cameras.is_some();
         if has_camera && !self.camera_path.is_empty() { Err(BadFrames::TwoCameras) } else { Ok(()) }
@@ -270,7 +296,7 @@ pub enum SequenceState {
     Done,
     /// A frame failed; `error` says why.
     Failed,
-    /// Stopped by a user; the pictures so far are kept.
+    /// Stopped by a user, or all of its frames were; the pictures so far are kept.
     Cancelled,
 }
 
@@ -318,6 +344,9 @@ pub struct SequenceStatus {
     /// Why it failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
+    /// Why no further frame becomes a job for now, for example because its owner has as many jobs as allowed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub waiting: Option<String>,
     /// Who submitted it, where there are users.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub owner: Option<UserName>,
@@ -349,6 +378,7 @@ pub struct SequenceStatus {
     /// Estimated seconds left; empty while no frame is done, and when none is left.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds_left: Option<f64>,
-    /// The frames that are jobs by now, in order. Those of deleted jobs are missing.
+    /// The frames that are jobs by now, in order, where one sequence is asked for. Those of deleted jobs are missing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub jobs: Vec<FrameJob>,
 }

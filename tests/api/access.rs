@@ -142,6 +142,31 @@ async fn every_endpoint_asks_who_it_is() {
     }
 }
 
+/// Whoever deletes a sequence deletes its frames' scenes, but none that somebody else made first.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_sequence_takes_no_scene_of_somebody_else_along() {
+    let farm = farm().await;
+    let anna = farm.add(None, "anna", "admin").await;
+    let ben = farm.add(Some(&anna), "ben", "artist").await;
+    let cora = farm.add(Some(&anna), "cora", "artist").await;
+    let path = json!({ "first": 1, "last": 1, "camera_path": ["0", "0"] });
+    let sequence = json!({ "job": { "scene_inline": SCENE }, "frames": path });
+    let submit = async |token: &str| farm.json(Method::POST, "/v1/sequences", Some(token), sequence.clone()).await.1;
+    let [bens, coras] = [submit(&ben).await, submit(&cora).await];
+    assert_eq!((&bens["owner"], &coras["owner"]), (&json!("ben"), &json!("cora")));
+    let (_, jobs) = farm.json(Method::GET, "/v1/jobs", Some(&anna), Value::Null).await;
+    let jobs = jobs["jobs"].as_array().expect("jobs").clone();
+    assert_eq!(jobs[0]["scene"], jobs[1]["scene"]);
+    // Ben's job goes first, so that only ownership keeps the scene.
+    let job = format!("/v1/jobs/{}", jobs[0]["id"].as_str().expect("an id"));
+    assert_eq!(farm.status(Method::DELETE, &job, Some(&ben)).await, 204);
+    let coras = format!("/v1/sequences/{}", coras["id"].as_str().expect("an id"));
+    assert_eq!(farm.status(Method::DELETE, &coras, Some(&ben)).await, 403);
+    assert_eq!(farm.status(Method::DELETE, &coras, Some(&cora)).await, 204);
+    let scene = format!("/v1/scenes/{}", jobs[0]["scene"].as_str().expect("a hash"));
+    assert_eq!(farm.status(Method::GET, &scene, Some(&cora)).await, 200);
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn users_change_their_own_jobs_only() {
     let farm = farm().await;

@@ -2,6 +2,7 @@
 
 use std::time::{Duration, Instant};
 
+use photonfarm::farm::FarmError;
 use photonfarm::farm::store::{Store, StoreLocation};
 use reqwest::Method;
 use serde_json::{Value, json};
@@ -31,7 +32,7 @@ async fn sequences_that_cannot_be_are_refused_and_leave_nothing() {
         frames
     };
     let wrong = [
-        (sequence(LAMP, frames(3, 1)), "frames 3 to 1 are none"),
+        (sequence(LAMP, frames(3, 1)), "the last frame, 1, is before the first one, 3"),
         (sequence(LAMP, frames(0, 100_000)), "more than 100000"),
         (sequence(LAMP, with("whole", json!([2, 9]))), "leave the sequence of 2 to 9"),
         (sequence(LAMP, with("camera_path", json!(["left"]))), "has one camera"),
@@ -57,6 +58,63 @@ async fn sequences_that_cannot_be_are_refused_and_leave_nothing() {
         let (status, problem) = farm.json(Method::GET, path, &[], None).await;
         assert_eq!((status, &problem["type"]), (404, &json!("urn:photonfarm:problem:unknown-sequence")), "{path}");
     }
+}
+
+/// What is refused leaves neither a job nor a scene, and whoever asks the same at the same time is refused, too.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_refused_sequence_was_never_there() {
+    let farm = Farm::in_memory(0).await;
+    let scene = farm.local.client().add_scene(LAMP.into()).await.expect("a scene").hash;
+    let bad = json!({ "job": { "scene": scene, "method": "magic" }, "frames": { "first": 1, "last": 3 } });
+    let key = [("Idempotency-Key", "once")];
+    let submit = async || farm.json(Method::POST, "/v1/sequences", &key, Some(bad.clone())).await.0;
+    let statuses = tokio::join!(submit(), submit(), submit());
+    assert_eq!(statuses, (422, 422, 422));
+    for moments in [json!([-1.7e308, 1.7e308]), json!([0.0])] {
+        let times = sequence(LAMP, json!({ "first": 1, "last": 3, "times": moments }));
+        assert_eq!(farm.json(Method::POST, "/v1/sequences", &[], Some(times)).await.0, 422);
+    }
+    let path = json!({ "first": 1, "last": 3, "camera_path": vec!["left"; 1001] });
+    assert_eq!(farm.json(Method::POST, "/v1/sequences", &[], Some(sequence(LAMP, path))).await.0, 422);
+    // Only the coordinator writes scenes as changes.
+    for bytes in ["", "{}", &format!("{{\"base\":\"{}\",\"changes\":{{}}}}", "0".repeat(64))] {
+        let refused = farm.local.client().add_scene(format!("photonfarm changed scene\n{bytes}").into()).await;
+        assert!(matches!(refused, Err(FarmError::BadRequest { .. })), "{refused:?}");
+    }
+    assert_eq!(farm.json(Method::GET, "/v1/sequences", &[], None).await.1, json!({ "sequences": [] }));
+    let (_, scenes) = farm.json(Method::GET, "/v1/scenes", &[], None).await;
+    assert_eq!(scenes["scenes"].as_array().map(Vec::len), Some(1), "{scenes}");
+    assert_eq!(farm.json(Method::DELETE, &format!("/v1/scenes/{scene}"), &[], None).await.0, 204);
+}
+
+/// Frames that were stopped one by one are no sequence that is done; one that pauses half is paused whole by the next request.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_sequence_is_what_its_frames_are() {
+    let farm = Farm::in_memory(0).await;
+    let body = Some(sequence(LAMP, json!({ "first": 1, "last": 2 })));
+    let (_, submitted) = farm.json(Method::POST, "/v1/sequences", &[], body).await;
+    let address = format!("/v1/sequences/{}", submitted["id"].as_str().expect("an id"));
+    let start = Instant::now();
+    while farm.jobs().await < 2 {
+        assert!(start.elapsed() < Duration::from_secs(30), "the second frame is not made");
+    }
+    let (_, jobs) = farm.json(Method::GET, "/v1/jobs", &[], None).await;
+    let job = |index: usize| format!("/v1/jobs/{}", jobs["jobs"][index]["id"].as_str().expect("an id"));
+    let order = async |address: &str, what: &str| {
+        let (status, answer) = farm.json(Method::POST, &format!("{address}/{what}"), &[], None).await;
+        (status, answer["state"].as_str().unwrap_or_default().to_owned())
+    };
+    assert_eq!(order(&address, "pause").await, (200, "paused".to_owned()));
+    assert_eq!(order(&address, "pause").await.0, 409);
+    assert_eq!(order(&job(1), "resume").await.0, 200);
+    assert_eq!(order(&address, "pause").await, (200, "paused".to_owned()));
+    assert_eq!(order(&job(1), "pause").await.0, 409, "it pauses again");
+    assert_eq!(order(&address, "resume").await, (200, "running".to_owned()));
+    for index in 0..2 {
+        assert_eq!(order(&job(index), "cancel").await.0, 200);
+    }
+    assert_eq!(farm.json(Method::GET, &address, &[], None).await.1["state"], "cancelled");
+    assert_eq!(order(&address, "resume").await.0, 409);
 }
 
 /// Who got no answer sends the same again, also to a coordinator that was started again.

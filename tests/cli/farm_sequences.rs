@@ -68,7 +68,7 @@ async fn a_sequence_is_submitted_watched_and_fetched_by_one_id() {
     assert!(bytes.len() == 4 && bytes[2] < 200 && bytes[3] == LAMP.len() as u64, "{bytes:?}");
 
     printed(&url, &["fetch", &id, "-o", text(&output), "--preview", text(&preview)]);
-    let first = std::fs::read(preview).expect("a preview");
+    let first = std::fs::read(&preview).expect("a preview");
     assert!(first.windows(4).any(|window| window == b"acTL"), "an animation");
     // The same as if they were rendered here.
     let here = folder.join("here.exr");
@@ -78,6 +78,10 @@ async fn a_sequence_is_submitted_watched_and_fetched_by_one_id() {
         let [fetched, rendered] = ["all", "here"].map(|name| pixels(&folder.join(format!("{name}.{number}.exr"))));
         assert!(fetched == rendered, "frame {number}");
     }
+    let first = folder.join("all.0001.png");
+    let over = ["fetch", &id, "-o", text(&preview), "--preview", text(&first)];
+    assert_eq!(said(&url, &over).0, 2, "a preview takes no frame's place");
+    assert_eq!(said(&url, &["extend", &id, "--passes", "9"]).0, 2);
     let left: Vec<Value> = {
         printed(&url, &["rm", &id]);
         listed(&url, &["jobs"])
@@ -155,4 +159,29 @@ async fn sequences_go_on_after_kills_to_the_same_bits() {
     let quiet = pictures("quiet", 0).await;
     assert!(pictures("killed", 3).await == quiet, "other bits");
     assert!(quiet[0] != quiet[5]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_deletion_goes_on_when_nobody_waits_for_it_and_after_a_kill() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut coordinator = Coordinator::start(&folder.path().join("data"), 0).await;
+    for is_killed in [false, true] {
+        let sequence = json!({ "job": { "scene_inline": LAMP }, "frames": { "first": 1, "last": 30 }, "at_once": 30 });
+        let (status, submitted) = coordinator.post("/v1/sequences", &sequence).await;
+        assert_eq!(status, 202, "{submitted}");
+        wait_for("frames", async || coordinator.jobs().await.len() == 30).await;
+        let path = format!("/v1/sequences/{}", submitted["id"].as_str().expect("an id"));
+        let hurry = std::time::Duration::from_millis(30);
+        if tokio::time::timeout(hurry, coordinator.delete(&path)).await.is_err() && is_killed {
+            // What is deleted was stored as such before.
+            wait_for("deletion", async || coordinator.jobs().await.len() < 30).await;
+            coordinator.kill();
+            coordinator.restart().await;
+        }
+        wait_for("end of the deletion", async || coordinator.jobs().await.is_empty()).await;
+        wait_for("end of the record", async || listed(&coordinator.url(), &["sequences"]).is_empty()).await;
+        let scenes = listed(&coordinator.url(), &["scenes"]);
+        assert_eq!(scenes.len(), 1, "only the scene that was uploaded stays: {scenes:?}");
+        assert_eq!(coordinator.delete(&path).await, 404);
+    }
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use photonfarm::farm::ids::JobId;
-use photonfarm::farm::job::{JobRequest, JobState, StopRule};
+use photonfarm::farm::job::{JobRequest, JobState, SceneChanges, StopRule};
 use photonfarm::farm::store::{Store, StoreLocation};
 use photonfarm::farm::{CoordinatorHandle, CoordinatorOptions, FarmError, Limits, LocalFarm};
 use serde_json::json;
@@ -139,12 +139,20 @@ async fn a_job_whose_scene_is_lost_says_so() {
     let mut farm = LocalFarm::builder().workers(0).store(store).start().await.expect("a farm");
     let client = farm.client().clone();
     let hash = client.add_scene(SCENE.into()).await.expect("a scene").hash;
-    let id = client.submit(request(&hash, passes(1))).await.expect("a job");
+    let changes = SceneChanges { width: Some(8), ..SceneChanges::default() };
+    let changed = client.changed_scene(&hash, changes).await.expect("a changed scene");
+    let changed = client.add_scene(changed).await.expect("a scene").hash;
+    let mut ids = Vec::new();
+    for scene in [&hash, &changed] {
+        ids.push(client.submit(request(scene, passes(1))).await.expect("a job"));
+    }
     std::fs::remove_file(folder.path().join("blobs/scenes").join(&hash)).expect("it was there");
     farm.add_worker("searching", 1);
-    assert_eq!(ended(&client, id).await, JobState::Failed);
-    let error = client.job(id).expect("a job").error.expect("a reason");
-    assert!(error.contains("its scene is lost"), "{error}");
+    for id in ids {
+        assert_eq!(ended(&client, id).await, JobState::Failed);
+        let error = client.job(id).expect("a job").error.expect("a reason");
+        assert!(error.contains("its scene is lost"), "{error}");
+    }
     assert!(matches!(client.scene_bytes(&hash).await, Err(FarmError::Lost { .. })));
     farm.stop().await;
 }

@@ -49,7 +49,9 @@ fn every_scene_of_the_folder_prepares_without_a_notice() {
     files.extend(VARIANTS.map(own_scene));
     for file in files {
         let scene = Scene::prepare(&load(&file)).unwrap_or_else(|error| panic!("{error}"));
-        assert!(scene.notices.is_empty(), "{}: {:?}", file.display(), scene.notices);
+        // One picture of a scene that moves shows one moment and one camera of it.
+        let told = if file.ends_with("moving-lamp/scene.xml") { 2 } else { 0 };
+        assert_eq!(scene.notices.len(), told, "{}: {:?}", file.display(), scene.notices);
         assert_eq!(scene.integrator.expect("an integrator").name, "sppm", "{}", file.display());
     }
 }

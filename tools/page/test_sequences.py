@@ -40,7 +40,7 @@ def test_a_sequence_is_submitted_and_shown_frame_by_frame(own_farm, open_page, t
     expect(shown.locator(".state")).to_have_text("done")
     frames = shown.get_by_role("list", name="Frames").get_by_role("link")
     expect(frames).to_have_text(["1", "2", "3", "4", "5"])
-    expect(frames.nth(2)).to_have_attribute("title", "Frame 3: done")
+    expect(frames.nth(2)).to_have_accessible_name("Frame 3: done")
     expect(page.get_by_role("link", name="Sequences")).to_have_attribute("aria-current", "page")
     frames.nth(2).click()
     expect(page.locator("#job-name")).to_have_text("lamp.0003")
@@ -60,10 +60,15 @@ def test_all_frames_are_paused_resumed_cancelled_and_deleted_at_once(own_farm, o
     shown = card(page, "film")
     expect(shown).to_contain_text("0 of 40 frames")
     expect(shown.get_by_role("link")).to_have_count(2)
-    shown.get_by_role("button", name="Pause").click()
+    frames = shown.get_by_role("list", name="Frames")
+    expect(frames.get_by_role("listitem")).to_have_count(40)
+    shown.get_by_role("button", name="Pause").focus()
+    page.keyboard.press("Enter")
     expect(shown.locator(".state")).to_have_text("paused")
+    # Who works by keys stays where they are.
+    expect(shown.get_by_role("button", name="Resume")).to_be_focused()
     assert [job["state"] for job in own_farm.ask("/v1/jobs")["jobs"]] == ["paused"] * 2
-    shown.get_by_role("button", name="Resume").click()
+    page.keyboard.press("Enter")
     expect(shown.locator(".state")).to_have_text("running")
     shown.get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="Cancel the sequence").click()
@@ -73,6 +78,7 @@ def test_all_frames_are_paused_resumed_cancelled_and_deleted_at_once(own_farm, o
     shown.get_by_role("button", name="Delete").click()
     page.get_by_role("button", name="Delete the sequence").click()
     expect(shown).to_have_count(0)
+    expect(page.locator("#sequences-title")).to_be_focused()
     expect(page.locator("#no-sequences")).to_be_visible()
     assert own_farm.ask("/v1/jobs")["jobs"] == []
     assert own_farm.ask("/v1/sequences")["sequences"] == []
@@ -89,3 +95,22 @@ def test_what_the_coordinator_refuses_is_told(own_farm, open_page, tmp_path):
     page.locator("#submit").click()
     expect(page.locator("#check-answer")).to_contain_text("Nothing in the scene moves")
     expect(page.locator("#check-answer")).to_contain_text("Remedy: give key frames")
+
+
+def test_what_fits_no_sequence_is_told_before_anything_is_sent(own_farm, open_page, tmp_path):
+    page = open_page(own_farm, "#/submit")
+    expect(page.locator("#farm")).to_contain_text("0 workers")
+    scene = tmp_path / "lamp.xml"
+    scene.write_text(LAMP)
+    page.locator("#scene-file").set_input_files(scene)
+    page.get_by_label("Camera path").fill("0, 0")
+    for button in ("#check", "#submit"):
+        page.locator(button).click()
+        expect(page.locator("#check-answer")).to_contain_text("no frames are given")
+    page.get_by_label("Frames", exact=True).fill("5-1")
+    page.locator("#check").click()
+    expect(page.locator("#check-answer")).to_contain_text("1, is before the first one, 5")
+    page.get_by_label("Frames", exact=True).fill("1-5")
+    page.locator("#check").click()
+    expect(page.locator("#check-answer")).to_contain_text("1 to 5")
+    assert own_farm.ask("/v1/jobs")["jobs"] == []

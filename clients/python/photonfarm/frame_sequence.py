@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from os import PathLike, fspath
 from pathlib import Path
 
 from .connection import Connection, Request
 from .errors import found_here
 from .generated.models import JobView, SequenceStatus
-from .job import Job, Progress, shown_by
+from .job import Job
+from .progress import Line
 
 LOOK_INTERVAL = 1.0
+
+SequenceProgress = Callable[[SequenceStatus], object]
 
 
 class FrameSequence:
@@ -30,22 +33,20 @@ class FrameSequence:
         """How it is doing, frame by frame."""
         return self._told(Request("GET", self._path(), is_repeatable=True))
 
-    def wait(self, progress: Progress | bool = False, timeout: float | None = None) -> SequenceStatus:
+    def wait(self, progress: SequenceProgress | bool = False, timeout: float | None = None) -> SequenceStatus:
         """Waits until it has ended, also while the coordinator is started again. A paused one is waited for, too.
 
-        `progress` is called with the status of every frame that is rendered, about once a second; True prints a line on standard error.
+        `progress` is called with every status on the way, about one a second; True prints a line on standard error.
 
         Raises:
             FarmError: `sequence-failed` and `sequence-cancelled` when it ends so; `too-late` after `timeout` seconds.
         """
         end = None if timeout is None else time.monotonic() + timeout
-        show = shown_by(progress)
+        show: SequenceProgress | None = (Line() if progress else None) if isinstance(progress, bool) else progress
         while True:
             status = self.status()
             if show is not None:
-                for frame in status.jobs:
-                    if frame.state == "running":
-                        show(self._job(frame.job).known)
+                show(status)
             if status.state not in ("running", "paused"):
                 return well_ended(status)
             if end is not None and time.monotonic() >= end:
@@ -54,7 +55,7 @@ class FrameSequence:
 
     def jobs(self) -> dict[int, Job]:
         """The frames that are jobs by now, by number. Those of deleted jobs are missing."""
-        return {frame.frame: self._job(frame.job) for frame in self.status().jobs}
+        return {frame.frame: self._job(frame.job) for frame in self.status().jobs or []}
 
     def save(self, path: str | PathLike[str]) -> Iterator[Path]:
         """Writes the picture of each frame as it is now, `lamp.0001.exr` for `lamp.exr`, and names each file when it is there."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from .generated.models import JobView
+from .generated.models import JobView, SequenceStatus
 
 
 class Line:
@@ -13,8 +13,8 @@ class Line:
     def __init__(self) -> None:
         self._last = ""
 
-    def __call__(self, view: JobView) -> None:
-        text = sentence(view)
+    def __call__(self, view: JobView | SequenceStatus) -> None:
+        text = sentence(view) if isinstance(view, JobView) else frames(view)
         if text == self._last:
             return
         if sys.stderr.isatty():
@@ -35,3 +35,13 @@ def sentence(view: JobView) -> str:
     if view.paused:
         parts.append(view.paused)
     return f"{view.id} {view.state}: " + ", ".join(parts)
+
+
+def frames(status: SequenceStatus) -> str:
+    """How a sequence is doing, in one line."""
+    parts = [f"{status.frames_done} of {status.frames_total} frames", f"{100 * status.progress:.0f} %"]
+    if status.seconds_left is not None:
+        parts.append(f"{status.seconds_left:.0f} s left")
+    if status.waiting:
+        parts.append(f"waiting: {status.waiting}")
+    return f"{status.id} {status.state}: " + ", ".join(parts)

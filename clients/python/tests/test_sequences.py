@@ -21,14 +21,14 @@ LAMP = """<scene version="3.0.0"><integrator type="path"/>
 
 def test_a_sequence_is_waited_for_and_saved(farm: Farm, tmp_path: Path) -> None:
     sequence = farm.submit_sequence(LAMP, (1, 3), name="lamp", seed=4, stop={"passes": 2})
-    seen: list[str] = []
-    status = sequence.wait(progress=lambda view: seen.append(view.id), timeout=120)
+    seen: list[int] = []
+    status = sequence.wait(progress=lambda status: seen.append(status.frames_done), timeout=120)
     assert (status.frames_done, status.frames_total, status.progress) == (3, 3, 1)
     jobs = sequence.jobs()
     assert [(number, job.known.name, job.known.seed) for number, job in jobs.items()] == [
         (1, "lamp.0001", 5), (2, "lamp.0002", 6), (3, "lamp.0003", 7)
     ]
-    assert set(seen) <= {job.id for job in jobs.values()}
+    assert seen == sorted(seen) and seen[-1] == 3
     # The lamp goes from left to right, or from right to left: it stands on one side first, and on the other one last.
     left = [job.picture()[:, :8].sum() for job in jobs.values()]
     assert abs(left[0] - left[2]) > 0.5 * max(left)

@@ -20,6 +20,7 @@ impl Render {
         frames: &[Frame],
         threads: usize,
     ) -> Result<(), CliError> {
+        self.preview.check_apart(&self.output.outputs, frames.iter().map(|frame| frame.number))?;
         let base = self.job.upload(client, scene).await?;
         let (mut told, mut preview) = (HashSet::new(), Vec::new());
         for (index, frame) in frames.iter().enumerate() {

@@ -112,9 +112,9 @@ impl Keeper {
                 Ok(job) => shared.roll_back(&job, rollback.keep).await,
                 Err(_) => Ok(()),
             },
-            Chore::Sequence(id) => match shared.sequence(*id) {
-                Ok(sequence) => shared.store.put_sequence(&sequence.row()).await,
-                Err(_) => Ok(()),
+            Chore::Sequence(id) => match shared.sequence_record(*id) {
+                Some(sequence) => shared.store.put_sequence(&sequence.row()).await,
+                None => Ok(()),
             },
             Chore::ForgetSequence(id) => shared.store.delete_sequence(*id).await,
             Chore::Announce { job, state } => shared.announce(*job, *state).await,

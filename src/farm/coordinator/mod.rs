@@ -9,13 +9,13 @@
 //! | `lifetime` | how it starts, lets time pass, and stops |
 //! | `shared` | events go in, effects are carried out |
 //! | `scenes`, `jobs`, `control` | what users ask for, one `turn` after the other |
-//! | `sequences`, `frames` | many frames of one scene: what users ask for, and how frames become jobs |
+//! | `sequences`, `sequence_control`, `frames` | many frames of one scene: what users ask for, and how frames become jobs |
 //! | [`members`], [`tokens`] | who they are, and what they may do |
 //! | `results`, `workers` | what workers deliver, and how they are sent away |
 //! | `keeper`, `records`, `restoring` | what is stored (its `chores`), and how it comes back |
 //! | `pictures` | pictures, also of jobs that ended long ago (`viewed`), and what their pixels see first (`seen_first`, `layers`) |
 //! | `denoising` | pictures with less noise |
-//! | [`request`], `status` | what users say and are told |
+//! | [`request`], `status`, `sequence_status` | what users say and are told |
 //! | `announcing` | what webhooks are told |
 //! | `feed` | all changes of all jobs, numbered |
 //! | `counters`, `metrics` | what is counted and measured, for Prometheus |
@@ -47,7 +47,9 @@ mod results;
 mod scene_record;
 mod scenes;
 mod seen_first;
+mod sequence_control;
 mod sequence_record;
+mod sequence_status;
 mod sequences;
 mod shared;
 mod status;

@@ -89,7 +89,8 @@ impl Shared {
         Ok(Some(OwnUpload { shared: self.clone(), user: user.clone() }))
     }
 
-    fn busy(&self, problem: String) -> FarmError {
+    /// A refusal for now.
+    pub(super) fn busy(&self, problem: String) -> FarmError {
         FarmError::Busy { problem, retry_after: self.options.limits.retry_after() }
     }
 }

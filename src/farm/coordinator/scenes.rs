@@ -10,7 +10,7 @@ use tokio::sync::OwnedSemaphorePermit;
 use super::blocking::blocking;
 use super::quotas::OwnUpload;
 use super::scene_record::{SceneLayout, SceneRecord, SceneSummary};
-use super::shared::Shared;
+use super::shared::{JobRecord, Shared};
 use crate::farm::access::user::UserName;
 use crate::farm::changed_scene::ChangedScene;
 use crate::farm::error::FarmError;
@@ -49,7 +49,11 @@ impl Shared {
 
     /// No worker will ever have the scene.
     fn fail_jobs_of(&self, hash: &str, problem: &StoreError) {
-        for job in self.live_jobs().into_iter().filter(|job| job.description().scene == hash) {
+        let is_of_scene = |job: &Arc<JobRecord>| {
+            let own = job.description().scene;
+            own == hash || self.scene(&own).is_ok_and(|scene| scene.base.as_deref() == Some(hash))
+        };
+        for job in self.live_jobs().into_iter().filter(is_of_scene) {
             self.apply(Event::JobFailed { job: job.id, problem: format!("its scene is lost: {problem}") });
         }
     }
@@ -219,13 +223,15 @@ impl Shared {
 
     /// Which scene with which changes these bytes are, if they are no whole scene.
     fn changes_of(&self, hash: &str, bytes: &[u8]) -> Result<Option<ChangedScene>, FarmError> {
-        let damaged = |problem| StoreError::BadRecord { what: format!("scene {hash}"), problem };
-        let changed = ChangedScene::decode(bytes).map_err(|problem| damaged(problem.to_string()))?;
-        match changed {
-            Some(changed) if self.scene(&changed.base)?.base.is_some() => {
-                Err(damaged("it changes a scene that is a changed one itself".to_owned()).into())
-            }
-            changed => Ok(changed),
+        let refused = |problem: String| FarmError::BadRequest {
+            problem: format!("scene {hash} is no scene: {problem}"),
+            remedy: "upload a scene of one of the formats, and give its changes with a job".to_owned(),
+        };
+        let changed = ChangedScene::decode(bytes).map_err(|problem| refused(problem.to_string()))?;
+        let Some(changed) = changed else { return Ok(None) };
+        match self.scene(&changed.base) {
+            Ok(base) if base.base.is_none() => Ok(Some(changed)),
+            _ => Err(refused("what it changes is not here, or a changed scene itself".to_owned())),
         }
     }
 

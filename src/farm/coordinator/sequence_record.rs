@@ -2,8 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::sync::Mutex;
+use std::sync::atomic::AtomicBool;
 
 use serde::{Deserialize, Serialize};
+use tokio::time::Instant;
 
 use super::turn::Turn;
 use crate::farm::access::user::UserName;
@@ -20,6 +22,10 @@ pub(super) struct SequenceRecord {
     pub(super) facts: Mutex<SequenceFacts>,
     /// Whoever does something to it: a user, or what makes its frames.
     pub(super) turn: Turn,
+    /// Held by whoever submits it until its first frame is checked.
+    pub(super) checking: Turn,
+    /// Whether somebody makes frames of it now.
+    pub(super) is_being_made: AtomicBool,
 }
 
 /// What a user did to a sequence.
@@ -30,6 +36,8 @@ pub(super) enum Halt {
     Paused,
     /// It does not go on.
     Cancelled,
+    /// It is on its way out.
+    Deleted,
 }
 
 /// What was asked for, and how far it is.
@@ -57,11 +65,46 @@ pub(super) struct SequenceFacts {
     #[serde(skip)]
     pub(super) live: Vec<JobId>,
     /// Whether its first frame is being checked: it may still be refused.
-    #[serde(skip)]
+    #[serde(default)]
     pub(super) is_new: bool,
+    /// Why no further frame becomes a job for now.
+    #[serde(skip)]
+    pub(super) waiting: Option<String>,
+    /// When that is tried again.
+    #[serde(skip)]
+    pub(super) retry_at: Option<Instant>,
 }
 
 impl SequenceFacts {
+    /// Those of a sequence whose first frame is to be checked.
+    pub(super) fn new(
+        request: SequenceRequest,
+        moments: Option<[f64; 2]>,
+        owner: Option<UserName>,
+        idempotency: Option<Idempotency>,
+    ) -> Self {
+        Self {
+            request,
+            moments,
+            owner,
+            submitted: 0,
+            made: 0,
+            halt: None,
+            problem: None,
+            idempotency,
+            is_new: true,
+            waiting: None,
+            retry_at: None,
+            jobs: BTreeMap::new(),
+            live: Vec::new(),
+        }
+    }
+
+    /// Whether users know of it: one whose first frame is being checked may still be refused.
+    pub(super) fn is_there(&self) -> bool {
+        !self.is_new && self.halt != Some(Halt::Deleted)
+    }
+
     /// The next frame that is no job yet.
     pub(super) fn next(&self) -> Option<Frame> {
         let frames = &self.request.frames;
@@ -70,7 +113,7 @@ impl SequenceFacts {
 
     /// Whether frames are to be made still, now or when it is resumed.
     pub(super) fn goes_on(&self) -> bool {
-        self.halt != Some(Halt::Cancelled) && self.next().is_some()
+        matches!(self.halt, None | Some(Halt::Paused)) && self.next().is_some()
     }
 
     /// A frame became a job.
@@ -83,7 +126,8 @@ impl SequenceFacts {
 
 impl SequenceRecord {
     pub(super) fn new(id: SequenceId, facts: SequenceFacts) -> Self {
-        Self { id, facts: Mutex::new(facts), turn: Turn::default() }
+        let (turn, checking) = (Turn::default(), Turn::default());
+        Self { id, facts: Mutex::new(facts), turn, checking, is_being_made: AtomicBool::new(false) }
     }
 
     /// As it is now, to be stored.

@@ -1330,9 +1330,9 @@ class SequenceStatus(BaseModel):
     """
     The sequence's id.
     """
-    jobs: list[FrameJob]
+    jobs: list[FrameJob] | None = None
     """
-    The frames that are jobs by now, in order. Those of deleted jobs are missing.
+    The frames that are jobs by now, in order, where one sequence is asked for. Those of deleted jobs are missing.
     """
     name: str | None = None
     """
@@ -1370,6 +1370,10 @@ class SequenceStatus(BaseModel):
     tags: list[str]
     """
     Words to find it by; its jobs have them, too.
+    """
+    waiting: str | None = None
+    """
+    Why no further frame becomes a job for now, for example because its owner has as many jobs as allowed.
     """
 
 

@@ -65,7 +65,7 @@ async function news() {
 }
 
 function card({ sequence, cells }) {
-  const { id, state, error, owner, tags, progress } = sequence;
+  const { id, state, error, waiting, owner, tags, progress } = sequence;
   const facts = [id, owner, ...tags.map(tag => `#${tag}`), date(sequence.submitted * 1000)].filter(Boolean).join(' · ');
   return make(
     'article',
@@ -73,11 +73,11 @@ function card({ sequence, cells }) {
     make('h3', { id: `${id}-name` }, nameOf(sequence)),
     make('span', { className: 'state' }, state),
     make('p', { className: 'quiet' }, facts),
+    make('p', { className: 'buttons' }, ACTIONS.map(action(sequence))),
     make('progress', { max: 1, value: progress, 'aria-label': `Progress of ${nameOf(sequence)}` }),
     make('p', {}, reached(sequence)),
-    error ? make('p', { className: 'reason failed' }, error) : null,
+    error || waiting ? make('p', { className: error ? 'reason failed' : 'reason' }, error ?? `It waits: ${waiting}.`) : null,
     make('ol', { className: 'frames', 'aria-label': 'Frames' }, cells.map(cell)),
-    make('p', { className: 'buttons' }, ACTIONS.map(action(sequence))),
   );
 }
 
@@ -86,7 +86,11 @@ function reached({ frames_done: done, frames_failed: failed, frames_total: total
   return parts.filter(Boolean).join(', ');
 }
 
-const cell = ({ number, state, job }) => make('li', {}, make('a', { href: `#/jobs/${job}`, title: `Frame ${number}: ${state}`, 'data-state': state }, number));
+function cell({ number, state, job }) {
+  const label = `Frame ${number}: ${state}`;
+  const properties = { id: `frame-${job}`, href: `#/jobs/${job}`, title: label, 'aria-label': label, 'data-state': state };
+  return make('li', {}, job ? make('a', properties, number) : make('span', { title: label }, number));
+}
 
 const action =
   sequence =>
@@ -101,19 +105,22 @@ const action =
         setText(element('sequences-problem'), [problem.message, problem.remedy].filter(Boolean).join('; '));
       }
     };
-    const properties = { type: 'button', id: `${name}-${sequence.id}`, disabled: !mayChange(sequence), title, onclick: perform };
+    // Pause and resume take each other's place, and keep the focus.
+    const place = name === 'resume' ? 'pause' : name;
+    const properties = { type: 'button', id: `${place}-${sequence.id}`, disabled: !mayChange(sequence), title, onclick: perform };
     return make('button', { ...properties, 'aria-label': `${label} ${nameOf(sequence)}` }, label);
   };
 
 function askToCancel(sequence) {
-  const text = 'Frames that are rendered stop and keep their pictures; no further frame begins.';
+  const text = `Frames of ${sequence.id} that are being rendered stop and keep their pictures so far; no further frame begins.`;
   confirm(`Cancel ${nameOf(sequence)}?`, text, 'Cancel the sequence', () => control(sequence, 'cancel'));
 }
 
 function askToDelete(sequence) {
-  const text = `All of its frames and their pictures are deleted for good${isGoing(sequence) ? '; it is cancelled first' : ''}.`;
+  const text = `All ${sequence.frames_total} frames of ${sequence.id} and their pictures are deleted for good${isGoing(sequence) ? '; it is cancelled first' : ''}.`;
   confirm(`Delete ${nameOf(sequence)}?`, text, 'Delete the sequence', async () => {
     await ask(`/v1/sequences/${sequence.id}`, { method: 'DELETE' });
     await news();
+    element('sequences-title').focus();
   });
 }

@@ -24,7 +24,12 @@ export async function showForm(scene, fileName, done) {
   const buttons = make('p', { className: 'buttons' }, check, submit);
   form.replaceChildren(labelFields(fileName), method.fields, stop, sceneFields(scene), sequence, ...lightGroupsField(scene), answer, buttons);
   const request = () => readForm(scene, method, stop);
-  check.onclick = () => form.reportValidity() && run(answer, check, async () => checked(await post('/v1/jobs/validate', request())));
+  check.onclick = () =>
+    form.reportValidity() &&
+    run(answer, check, async () => {
+      const frames = readSequence(sequence, request())?.frames;
+      return checked(await post('/v1/jobs/validate', request()), frames);
+    });
   form.onsubmit = event => {
     event.preventDefault();
     run(answer, submit, async () => {
@@ -101,14 +106,15 @@ function send(request) {
   return ask(address, { method: 'POST', body: request, headers: { 'Idempotency-Key': form.dataset.key } });
 }
 
-// What would become of the job.
-function checked({ method, parameters, stop, width, height, notices }) {
+// What would become of the job, and of which frames.
+function checked({ method, parameters, stop, width, height, notices }, frames) {
   const list = values =>
     Object.entries(values)
       .map(([name, value]) => `${name.replaceAll('_', ' ')} ${value}`)
       .join(', ');
   const rows = [
     ['method', method],
+    ...(frames ? [['frames', `${frames.first} to ${frames.last}; what each shows is checked when it is submitted`]] : []),
     ['size', `${width} × ${height}`],
     ['stop', list(stop) || "at the method's passes"],
     ['parameters', list(parameters)],

@@ -1,5 +1,6 @@
 // Fields for a sequence: which frames, the camera's path, how many frames at once. Empty, one picture is wanted.
 
+import { Problem } from '../connection/api.js';
 import { field, make } from '../elements/dom.js';
 
 export function sequenceFields() {
@@ -12,7 +13,7 @@ export function sequenceFields() {
     make(
       'div',
       { className: 'columns' },
-      field('Frames', frames, 'First and last, as 1-48: what moves in the scene does so from the first to the last.'),
+      field('Frames', frames, 'For example 1-48. Motion starts at the first frame and ends at the last.'),
       field('Camera path', input('camera_path', { type: 'text' }), 'Names or indices of cameras, separated by commas.'),
       field('Frames at once', input('at_once', { type: 'number', min: 1, max: 100, step: 1, placeholder: 2 })),
     ),
@@ -22,9 +23,13 @@ export function sequenceFields() {
 // The sequence around a job, if frames are given; what is empty is left out.
 export function readSequence(fields, job) {
   const value = name => fields.querySelector(`[name=${name}]`).value.trim();
-  if (!value('frames')) return null;
-  const [first, last] = value('frames').split('-').map(Number);
   const path = value('camera_path').split(',').map(camera => camera.trim()).filter(Boolean);
+  if (!value('frames')) {
+    if (!path.length && !value('at_once')) return null;
+    throw new Problem({ detail: 'a camera path and frames at once are of a sequence, and no frames are given', remedy: 'give frames, as 1-48' });
+  }
+  const [first, last] = value('frames').split('-').map(Number);
+  if (first > last) throw new Problem({ detail: `the last frame, ${last}, is before the first one, ${first}`, remedy: 'give the first one first' });
   return {
     job,
     frames: { first, last, camera_path: path },
