@@ -216,7 +216,7 @@ pub(super) fn choose_sensor(root: &mut Node, changes: &Changes, notices: &mut Ve
     let names: Vec<&str> = sensors.iter().map(|sensor| sensor.id.as_str()).collect();
     let chosen = choose(&names, wanted, &root.location)?;
     if let (None, Some(second)) = (wanted, sensors.get(1)) {
-        notices.push(Notice::ignored(&second.location, "all cameras but the first", "--camera chooses another"));
+        notices.push(Notice::ignored(&second.location, "every camera but the first", "--camera chooses another"));
     }
     let mut index = 0;
     root.children.retain(|child| {

@@ -48,7 +48,7 @@ impl<'a> Camera<'a> {
         let names: Vec<&str> = cameras.iter().map(|camera| camera.attribute("id").unwrap_or_default()).collect();
         let chosen = changes::choose(&names, wanted, &list.location())?;
         if let (None, Some(second)) = (wanted, cameras.get(1)) {
-            notices.add(Notice::ignored(&second.location(), "all cameras but the first", "--camera chooses another"));
+            notices.add(Notice::ignored(&second.location(), "every camera but the first", "--camera chooses another"));
         }
         let camera = cameras.swap_remove(chosen);
         camera.report_unknown(&TAGS, &["type", "handedness"], notices);

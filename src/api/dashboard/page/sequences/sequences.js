@@ -118,9 +118,10 @@ function askToCancel(sequence) {
 
 function askToDelete(sequence) {
   const text = `All ${sequence.frames_total} frames of ${sequence.id} and their pictures are deleted for good${isGoing(sequence) ? '; it is cancelled first' : ''}.`;
-  confirm(`Delete ${nameOf(sequence)}?`, text, 'Delete the sequence', async () => {
+  const dialog = confirm(`Delete ${nameOf(sequence)}?`, text, 'Delete the sequence', async () => {
     await ask(`/v1/sequences/${sequence.id}`, { method: 'DELETE' });
     await news();
-    element('sequences-title').focus();
   });
+  // The button that had the focus is gone with its sequence.
+  dialog.addEventListener('close', () => !sequences.some(({ id }) => id === sequence.id) && element('sequences-title').focus());
 }
