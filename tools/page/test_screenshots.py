@@ -28,7 +28,7 @@ def test_screenshots(program, browser, open_page, picture_folder):
         show_pictures(page, farm, jobs, save)
         farm.ask(f"/v1/sequences/{jobs['flight']}/resume", {})
         page.goto(f"{farm.address}/#/sequences")
-        expect(page.locator("#sequences")).to_contain_text("7 of 24 frames", timeout=90000)
+        expect(page.locator("#sequences")).to_contain_text(re.compile(r"\b[5-9] of 24 frames"), timeout=90000)
         save("sequences")
         page.goto(f"{farm.address}/#/workers")
         save("workers")
